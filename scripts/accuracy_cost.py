@@ -39,8 +39,8 @@ NUMBERS = {"cells": int, "ppc": int, "cfl": float, "error": float, "core_seconds
 COLUMNS = ("problem", "way", *NUMBERS, "cause", "commit", "machine")
 ASIDE = ("output", "checkpoint", "ledger, history")      # timers that are no part of the steps
 MOST = 2                                 # a run is repeated so often, or until all of them took
-SHORT = 0.08                             # core-seconds [s]
-TIMEOUT = 900                            # of a run [s]
+SHORT = 0.08                             # a run is repeated until its runs have taken this together [core-seconds]
+TIMEOUT = 900                            # time limit of a run [s]
 
 
 def machine():
@@ -56,13 +56,13 @@ def machine():
 
 
 def processor():
-    """Processor time of all that was run so far [s]."""
+    """Processor time of all child processes that have ended [s]."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def cause_of(run):
-    """Why a run has failed, in a few words."""
+    """The cause of a failure in a few words."""
     text = run.output
     for pattern, words in (("turned inside out|is inverted", "particle inverted"),
                            ("dt_collapse", "step collapsed"), ("dt_min", "step below dt_min"),
@@ -74,7 +74,7 @@ def cause_of(run):
 
 
 def once(options, problem, way, setting, name):
-    """One run: its case, a cause if it has failed, core-seconds and wall seconds in the steps."""
+    """One run: its case, the cause if it failed, processor time and wall time of the steps [s]."""
     run = case.Case(options, name, problem.deck(way, setting))
     before = processor()
     try:
@@ -89,7 +89,8 @@ def once(options, problem, way, setting, name):
 
 
 def measure(options, name, way, setting):
-    """The row of a run: the least core-seconds of some runs, as others disturb by making it more."""
+    """The row of a combination of problem, method and setting. It is run up to MOST times, and the least processor time
+    counts, because other processes on the machine can only increase it."""
     problem, spents, walls = PROBLEMS[name], [], []
     while True:
         run, cause, spent, wall = once(options, problem, way, setting, f"accuracy_{name}")
@@ -116,7 +117,7 @@ def measure(options, name, way, setting):
 
 
 def read(path):
-    """The rows of a file, none if there is no file."""
+    """The rows of a file; no rows if the file does not exist."""
     if not path.exists():
         return []
     with open(path, newline="", encoding="utf-8") as file:
@@ -127,7 +128,7 @@ def read(path):
 
 
 def append(path, row):
-    """Write one row, and the heading before the first."""
+    """Append one row to the file; a new file begins with a heading."""
     fresh = not path.exists()
     with open(path, "a", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
@@ -138,7 +139,7 @@ def append(path, row):
 
 
 def key_of(row):
-    """What tells one run from another."""
+    """The values that identify a run."""
     return row["problem"], row["way"], row["cells"], row["ppc"], row["cfl"]
 
 
@@ -165,8 +166,9 @@ def study(options, plan):
 
 
 def time_left(rest, weight, seen):
-    """Seconds that the other runs will take: what the fastest run took and, in problems that have
-    begun, what more work has added there; in the others as much as the mean of all so far."""
+    """Estimated duration of the remaining runs [s]. In a problem of which a run has ended: the time of the fastest run,
+    plus a part in proportion to the work with the rate observed in this problem. In other problems: the mean time of
+    all runs so far."""
     base = min(took for _, _, took in seen)
     mean = sum(took for _, _, took in seen) / len(seen)
     rate = {}
@@ -184,7 +186,7 @@ def whole_plan(only):
 
 
 def present(options):
-    """Draw and write the tables into the page, if there is one."""
+    """Draw the pictures, and write the tables into the page if it exists."""
     rows = read(options.csv)
     if not rows:
         raise scree_post.ScreeError(f"{options.csv} holds no rows")
@@ -205,7 +207,7 @@ def present(options):
 
 
 def reference(options):
-    """The finest Taylor bars, for the constant in accuracy_problems.py."""
+    """Run the finest Taylor bars, whose sizes are the constant in accuracy_problems.py."""
     problem = PROBLEMS["taylor"]
     for way in ("ddmp", "quadratic usl"):
         run, cause, wall, _ = once(options, problem, way, Setting(24, 2, 0.4), "reference")
@@ -213,7 +215,8 @@ def reference(options):
 
 
 def quick(options):
-    """A study of 20 s in the work folder, twice: rows, front, orders. The number of faults."""
+    """A study of 20 s in the work folder, made twice, with checks of rows, Pareto front and orders. Returns the number
+    of faults."""
     options.csv = options.work / "quick.csv"
     options.csv.unlink(missing_ok=True)
     plan = [("waves", way, Setting(cells, 2, 0.4)) for way in ("ddmp", "ddmp control", "mpm")
@@ -251,7 +254,7 @@ def commit_of(program):
 
 
 def main():
-    """Run what is missing, draw, write."""
+    """Make the missing runs, draw the pictures and write the tables."""
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree")

@@ -9,24 +9,25 @@ import math
 
 import scree_post
 
-FAILED = 1.0                             # an error of 100 % or more is no answer
+FAILED = 1.0                             # rows with an error of 100 % or more count as failed
 COLOURS = {"ddmp": "#b3311b", "mpm": "#8a6d3b", "gimp": "#2f7d3b", "cpgimp": "#58a55c",
            "quadratic": "#1f5a93", "cubic": "#6aa3d5", "cpdi": "#6a4098"}
 OTHER = "#444444"
 
 
 def method_of(way):
-    """The method that a way belongs to: the first word of its name."""
+    """The numerical method to which a variant belongs: the first word of its name."""
     return way.split()[0]
 
 
 def good(rows):
-    """The rows that have ended with an error below 100 %."""
+    """The rows of runs that ended with an error below 100 %."""
     return [row for row in rows if not row["cause"] and row["error"] < FAILED]
 
 
 def front(rows, cost="core_seconds"):
-    """The best rows: none of the others has both a smaller error and a smaller cost. By cost."""
+    """The Pareto front in ascending order of cost: no row has both a smaller error and a smaller cost than a row of the
+    front."""
     best, least = [], math.inf
     for row in sorted(good(rows), key=lambda row: (row[cost], row["error"])):
         if row["error"] < least:
@@ -36,10 +37,10 @@ def front(rows, cost="core_seconds"):
 
 
 def cost_at(rows, error, cost="core_seconds"):
-    """Cost at which the front of some rows comes to an error; infinity if it never does.
+    """Cost at which the Pareto front of some rows reaches an error; infinity if it never does.
 
-    Between two rows of the front it is the line through them in the logarithmic picture, so that
-    the answer does not hang on which sizes of cells were run.
+    Between two rows of the front error and cost are interpolated linearly in their logarithms, so that the result
+    depends little on the cell sizes that were run.
     """
     line = front(rows, cost)
     for before, after in zip([None] + line, line):
@@ -52,23 +53,24 @@ def cost_at(rows, error, cost="core_seconds"):
 
 
 def cheapest(rows, error, cost="core_seconds"):
-    """The cheapest row that was run and has no more than an error, or None."""
+    """The cheapest row whose error does not exceed the given one, or None."""
     return next((row for row in front(rows, cost) if row["error"] <= error), None)
 
 
 def order(rows):
-    """Order of convergence of rows that differ in their cells alone, by least squares."""
+    """Order of convergence, by least squares, of rows that differ only in their cell size."""
     (np,) = scree_post.modules("numpy")
     pairs = [(math.log(row["cells"]), math.log(row["error"])) for row in good(rows)]
     return -float(np.polyfit(*zip(*pairs), 1)[0]) if len(pairs) > 1 else math.nan
 
 
 def add_model(rows):
-    """Give each row `model_seconds`: steps times o plus updates times u of its way and ppc.
+    """Give each row `model_seconds`: steps times o plus particle updates times u, where u belongs to a variant and a
+    number of particles per cell.
 
-    o is common to all rows of a problem, as it is what a step costs without any particle. Both are
-    those for which the sum of the relative misses is least: a run that was disturbed counts little,
-    as it would not in a sum of squares.
+    o is the cost of a step without particles and is common to all rows of a problem. The sum of the absolute relative
+    errors of the model is minimised; in a sum of squares runs that were disturbed by other processes would have too
+    much weight.
     """
     (np,) = scree_post.modules("numpy")
     for problem in {row["problem"] for row in rows}:
@@ -89,7 +91,7 @@ def add_model(rows):
 
 
 def positive(np, matrix, rounds=60):
-    """Numbers, none below zero, with which the sum of |matrix x - 1| is least."""
+    """The non-negative solution that minimises the sum of |matrix x - 1|, by iteratively reweighted least squares."""
     weight = np.ones(len(matrix))
     found = np.zeros(matrix.shape[1])
     for _ in range(rounds):
@@ -107,7 +109,7 @@ def positive(np, matrix, rounds=60):
 
 
 def setting_text(row, length=True):
-    """The choice of a row for people."""
+    """The variant and the setting of a row as text."""
     text = row["way"]
     if length:
         text += f", {row['cells']} cells, {row['ppc']} ppc, cfl {row['cfl']:g}"
@@ -115,7 +117,7 @@ def setting_text(row, length=True):
 
 
 def number(value):
-    """A number of seconds for people."""
+    """A number of seconds as text."""
     if not math.isfinite(value):
         return "never"
     digits = max(0, 1 - math.floor(math.log10(value))) if value > 0.0 else 0
@@ -123,7 +125,7 @@ def number(value):
 
 
 def tables(rows, targets=(0.1, 0.01, 0.001)):
-    """Markdown: the run of lowest cost for each error, then what each method needs for it."""
+    """Tables in Markdown: the run of lowest cost for each error, then the cost of each method for the same error."""
     lines = ["| error | run of lowest cost | its error | core-seconds | by the model |",
              "|---|---|---|---|---|"]
     for target in targets:
@@ -152,7 +154,7 @@ def percent(value):
 
 
 def draw(rows, problem, path):
-    """Error against core-seconds of one problem, with its front and with what failed at the frame."""
+    """Error over core-seconds of one problem, with its Pareto front; failed runs are marked at the upper frame."""
     plot = scree_post.pyplot()
     figure, axes = plot.subplots(figsize=(8.0, 5.2))
     fine, best = good(rows), front(rows)
@@ -172,7 +174,7 @@ def draw(rows, problem, path):
     axes.set(xscale="log", yscale="log", xlabel="core-seconds in the steps", ylabel="error",
              title=problem.title)
     axes.set_ylim(0.6 * min(row["error"] for row in fine), 1.6 * max(row["error"] for row in fine))
-    axes.set_xlim(0.2 * min(row["core_seconds"] for row in fine),      # room for names on the left
+    axes.set_xlim(0.2 * min(row["core_seconds"] for row in fine),      # space for names on the left
                   1.5 * max(row["core_seconds"] for row in fine))
     guide(axes, problem.dimensions)
     label(axes, best)
@@ -185,7 +187,8 @@ def draw(rows, problem, path):
 
 
 def label(axes, best):
-    """Names beside the front, none on another: below and left of it nothing else is drawn."""
+    """Names beside the front without overlap. They are placed below and to the left of it, where nothing else is
+    drawn."""
     done = []
     for row in best:
         place = axes.transData.transform((row["core_seconds"], row["error"]))
@@ -197,7 +200,7 @@ def label(axes, best):
 
 
 def guide(axes, dimensions):
-    """The slope of a method of second order: error with h^2, cost with h^-(d+1)."""
+    """The slope of a method of second order: the error is proportional to h^2, the cost to h^-(d+1)."""
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     slope = -2.0 / (dimensions + 1)
     end = min(high, low * (0.3 * top / bottom) ** (-1.0 / slope) if top > bottom else high)
@@ -207,7 +210,7 @@ def guide(axes, dimensions):
 
 
 def failures(axes, rows):
-    """A cross at the upper frame for each run that failed, at its cost, and the causes below."""
+    """A cross at the upper frame at the cost of each failed run, and the causes below."""
     lost = [row for row in rows if row["cause"] or row["error"] >= FAILED]
     if not lost:
         return

@@ -23,7 +23,7 @@ import flows                                             # noqa: E402
 import manufactured                                      # noqa: E402
 import taylor                                            # noqa: E402
 
-WAYS = {                                     # name: key method of &run, words of &method
+WAYS = {                                     # name of a variant: value of `method` of &run, keys of &method
     "ddmp": ("ddmp", ""),
     "ddmp aflip": ("ddmp", "transfer='aflip'"),
     "ddmp apic": ("ddmp", "transfer='apic'"),
@@ -63,20 +63,20 @@ PLAIN = ("ddmp", "mpm", "gimp", "cpgimp", "quadratic", "cubic", "cpdi")
 DUAL = ("ddmp control", "ddmp sub-points", "ddmp aflip", "ddmp control aflip")
 ONE_WAY = ("gimp usl", "cpgimp usl", "quadratic usl", "cubic usl", "cpdi usl")
 AFFINE = ("gimp aflip", "cpgimp aflip", "quadratic aflip", "cpdi aflip")
-LEADING = ("ddmp", "ddmp control") + ONE_WAY              # one or two of each method
+LEADING = ("ddmp", "ddmp control") + ONE_WAY              # one or two variants of each method
 SMOOTH = PLAIN + DUAL + ONE_WAY
 
 
 def method_of(way):
-    """The method that a way belongs to: the first word of its name."""
+    """The numerical method to which a variant belongs: the first word of its name."""
     return way.split()[0]
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What a run is made with besides its way."""
+    """Resolution and time step of a run."""
 
-    cells: int                                           # along the length that a problem names
+    cells: int                                           # number of cells along a length that the problem defines
     ppc: int                                             # particles along an edge of a cell
     cfl: float                                           # fraction of the stable step
 
@@ -85,27 +85,29 @@ class Setting:
 class Problem:
     """A problem: how its deck is written, what its error is, and what is run."""
 
-    title: str                                           # with what the error is of
-    dimensions: int                                      # of the grid: cost goes with h^-(d+1)
-    write: object                                        # (way words, setting) -> deck
+    title: str                                           # title of the pictures, names the quantity of the error
+    # number of dimensions of the grid: the cost is proportional to h^-(d+1)
+    dimensions: int
+    write: object                                        # (`method` of &run, keys of &method, setting) -> deck
     measure: object                                      # (run, setting) -> error
     ways: tuple                                          # names in WAYS
-    cells: tuple                                         # each with the first of ppc and of cfl
-    ppc: tuple                                           # all but the first on the cells `beside`
+    cells: tuple                                         # each is run with the first value of ppc and of cfl
+    # values after the first are run only with the cells in `beside`
+    ppc: tuple
     cfl: tuple
     beside: tuple
 
     def deck(self, way, setting):
-        """The deck of a way."""
+        """The deck for a variant."""
         return self.write(*WAYS[way], setting)
 
     def error(self, run, setting):
-        """Error of a run that has ended well."""
+        """Error of a run that has ended without failure."""
         return float(self.measure(run, setting))
 
     def plan(self):
-        """Pairs of way and setting: all ways on all cells with the first of ppc and of cfl, then the
-        leading way of each method with the others on few cells."""
+        """Pairs of variant and setting: all variants with all cell sizes and the first values of ppc and cfl, then the
+        leading variants of each method with the other values of ppc and cfl and the cell sizes in `beside`."""
         plain = [Setting(cells, self.ppc[0], self.cfl[0]) for cells in self.cells]
         others = [Setting(cells, ppc, self.cfl[0]) for cells in self.beside for ppc in self.ppc[1:]]
         others += [Setting(cells, self.ppc[0], cfl) for cells in self.beside for cfl in self.cfl[1:]]
@@ -114,13 +116,14 @@ class Problem:
 
 
 def greatest(run, _):
-    """Greatest displacement error in time, root of the mean square over the particles."""
+    """Greatest value in time of the displacement error, a root mean square over the particles, relative to the greatest
+    displacement."""
     seen = run.summary["exact"]["greatest_displacement"]
     return run.history["displacement_error"].max() / seen
 
 
 def waves(dimension, amplitude, end=0.5):
-    """Writer of decks of standing waves: half a period, in which matter swings out and back."""
+    """Function that writes decks of standing waves over half a period, in which the material swings out and back."""
     def write(method, words, setting):
         deck = manufactured.WAVES.format(
             dimension=dimension, method=method, words=words, spacing=f"{1.0 / setting.cells:.17g}",
@@ -132,7 +135,7 @@ def waves(dimension, amplitude, end=0.5):
 
 
 def vortex(method, words, setting):
-    """The ring whose middle circle has turned by one radian, as far as it goes."""
+    """The ring of the vortex, until its middle circle has turned by one radian, the greatest rotation."""
     return manufactured.VORTEX.format(
         method=method, words=words, spacing=f"{1.0 / setting.cells:.17g}", cfl=setting.cfl,
         twist=1.0, end=0.5, least=f"{0.008 * setting.cfl / setting.cells:.17g}",
@@ -140,7 +143,7 @@ def vortex(method, words, setting):
 
 
 def timed(deck, setting):
-    """The deck with a fraction of the stable step."""
+    """The deck with a given fraction of the stable time step."""
     return deck.replace("t_end", f"cfl={setting.cfl}  t_end", 1)
 
 
@@ -160,7 +163,7 @@ def flight_error(run, _):
 
 
 def quiet(words, fields=""):
-    """Outputs at the end alone: what they cost is not asked."""
+    """The deck with outputs at the end only, because their cost is not part of the comparison."""
     return (f"&output  name='h'  kind='history'  {words} /\n&checkpoint  at_end=.false. /\n"
             + (f"&output  name='p'  kind='particles'  count=1  precision='double'  "
                f"fields={fields} /\n" if fields else ""))
@@ -179,9 +182,10 @@ PISTON = """
 &body  name='bar'  region='bar'  material='al'  ppc={ppc},1,1  velocity=-0.4,0,0 /
 &boundary  face='xlo'  type='slip' /
 """
-SHOCK = 5328.0 + 1.338 * 400.0               # speed against the bar [m/s]: C0 + s u
-PRESSURE = 2785.0 * SHOCK * 400.0            # behind it [Pa]: density, its speed, that of the bar
-BEHIND = SHOCK - 400.0                       # speed against the wall [m/s]
+SHOCK = 5328.0 + 1.338 * 400.0               # speed of the shock relative to the bar [m/s]: C0 + s u
+# pressure behind the shock [Pa]: density, speed of the shock, speed of the bar
+PRESSURE = 2785.0 * SHOCK * 400.0
+BEHIND = SHOCK - 400.0                       # speed of the shock relative to the wall [m/s]
 
 
 def piston(method, words, setting):
@@ -192,19 +196,19 @@ def piston(method, words, setting):
 
 
 def piston_error(run, _):
-    """Mean of the pressure error over the compressed length, over the pressure behind the shock."""
+    """Mean error of the pressure over the compressed length, relative to the pressure behind the shock."""
     time, snap = run.snapshots()[-1]
     front = BEHIND * time
     right = np.where(snap.points[:, 0] < front, PRESSURE, 0.0)
     wrong = np.abs(-snap.fields["stress"][:, 0] - right) * snap.fields["volume"]
-    return wrong.sum() / 1.0e-6 / (PRESSURE * front)     # a section of 1 mm2
+    return wrong.sum() / 1.0e-6 / (PRESSURE * front)     # the cross-section is 1 mm2
 
 
 SIZES = ("length", "foot", "waist")
 
 
 def bar(method, words, setting):
-    """The copper bar of input/taylor_copper; cells in its radius, a multiple of three."""
+    """The copper bar of input/taylor_copper; the number of cells along its radius is a multiple of three."""
     deck = (taylor.FOLDER / taylor.MEASURED.deck).read_text(encoding="utf-8")
     spacing = 1.27 * 3.0 / setting.cells
     ppc = f"{setting.ppc}, 1, {setting.ppc}"
@@ -216,7 +220,7 @@ def bar(method, words, setting):
 
 
 def bar_sizes(run, _=None):
-    """Length, radius of the foot and diameter a fifth above the wall at the end [m]."""
+    """Sizes at the end: length, radius of the foot, and diameter at a fifth of the height [m]."""
     snaps = [snap for _, snap in run.snapshots()]
     found = taylor.measure(taylor.MEASURED, snaps[0], snaps[-1])
     return np.array([found[name] for name in SIZES])
@@ -234,10 +238,10 @@ def bar_error(run, _):
 
 
 def slope(method, words, setting):
-    """Grains on a slope of 24 degrees with their steady profile, for one time of relaxation."""
+    """Grains on a slope of 24 degrees with their steady profile, over one relaxation time."""
     height, angle = 0.01, np.radians(24.0)
     spacing, layers = height / setting.cells, setting.cells * setting.ppc
-    wide = 5.0 * spacing                     # as cubic splines on a periodic grid need
+    wide = 5.0 * spacing                     # the least width for cubic splines on a periodic grid
     bulk = 1000.0 * flows.DENSITY * flows.GRAVITY * height
     words = words if "pic" in words else f"flip=0.9999 {words}"
     deck = flows.INCLINE.format(
@@ -257,7 +261,7 @@ def slope(method, words, setting):
 
 
 def slope_error(run, _):
-    """Error of the speed of all particles, root of the mean square, over that of the surface."""
+    """Error of the speed, root mean square over all particles, relative to the speed of the surface."""
     _, last = run.snapshots()[-1]
     exact = flows.bagnold(last.points[:, 2], 24.0, 0.01)
     return bodies.rms(last.fields["velocity"][:, 0] - exact) / flows.bagnold(0.01, 24.0, 0.01)

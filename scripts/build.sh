@@ -46,7 +46,7 @@ compiler="$(find_compiler)"
 [[ -n "${compiler}" ]] || stop_with 3 "no gfortran 12 or newer was found; run scripts/setup.sh"
 command -v cmake > /dev/null 2>&1 || stop_with 3 "cmake was not found; run scripts/setup.sh"
 
-# A folder that was copied or moved holds paths of its old place.
+# A build folder that was copied or moved contains absolute paths of its former location.
 cache="${folder}/CMakeCache.txt"
 if [[ -f "${cache}" ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=${root}" "${cache}"; then
    rm -rf "${cache}" "${folder}/CMakeFiles"

@@ -6,13 +6,13 @@ root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 scripts="${root}/scripts"
 python="${root}/build/venv/bin/python"
 
-# Open MPI refuses root and more ranks than cores unless told otherwise; on a laptop or in a
-# container both are normal. Bound ranks would share one core between all their threads.
+# By default Open MPI refuses to run as root and to start more ranks than cores; both are normal on
+# a laptop or in a container. With bound ranks all threads of a rank would share one core.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_rmaps_base_oversubscribe="${OMPI_MCA_rmaps_base_oversubscribe:-1}"
 export OMPI_MCA_hwloc_base_binding_policy="${OMPI_MCA_hwloc_base_binding_policy:-none}"
 export OMPI_MCA_btl_vader_single_copy_mechanism="${OMPI_MCA_btl_vader_single_copy_mechanism:-none}"
-# The same for Open MPI 5.
+# The same settings for Open MPI 5.
 : "${PRTE_MCA_rmaps_default_mapping_policy:=:oversubscribe}"
 : "${PRTE_MCA_hwloc_default_binding_policy:=none}"
 export PRTE_MCA_rmaps_default_mapping_policy PRTE_MCA_hwloc_default_binding_policy
@@ -34,7 +34,7 @@ stop_with() {
    exit "${code}"
 }
 
-# The main version of a Fortran compiler, or nothing.
+# The major version of a Fortran compiler; nothing if it is unknown.
 generation_of() {
    local told
    command -v "$1" > /dev/null 2>&1 || return 0
@@ -46,7 +46,7 @@ generation_of() {
    fi
 }
 
-# The version of a CMakeLists.txt on standard input: the one place where it is written.
+# The version in the text of CMakeLists.txt on standard input, the only file that defines it.
 find_version() {
    sed -n 's/^project(scree VERSION \([0-9.]*\).*/\1/p'
 }
@@ -57,7 +57,7 @@ archive_commit() {
    git -C "${root}" archive --format=tar --prefix="$2/" "$1" | gzip --no-name --best
 }
 
-# The compiler of FC, a gfortran of version 12 or newer, or nothing.
+# The compiler in FC, or else the first gfortran of version 12 or newer; nothing if there is none.
 find_compiler() {
    local candidate version
    for candidate in ${FC:+"${FC}"} gfortran gfortran-12 gfortran-13 gfortran-14 gfortran-15; do
@@ -69,10 +69,10 @@ find_compiler() {
    done
 }
 
-# Install the packages of the folder python as links, so that a change there needs no new
-# installation.
+# Install the packages of the folder python in editable mode, so that changes of the sources need no
+# new installation.
 link_packages() {
-   # until 0.1 the command scree-post was a distribution of its own
+   # up to version 0.1 scree-post was a distribution of its own
    if compgen -G "${root}/build/venv/lib/python3*/site-packages/scree_post-*" > /dev/null; then
       "${python}" -m pip uninstall --quiet --yes scree-post || return 1
    fi
@@ -80,8 +80,9 @@ link_packages() {
       --editable "${root}/python"
 }
 
-# A folder that was copied or moved holds the Python environment of its old place: commands that
-# begin with its path, and links to its folder python. Bring them here; nothing is downloaded.
+# After a folder was copied or moved, its Python environment contains the former path: in the first
+# line of commands, and in links to the folder python. This function replaces the paths; nothing is
+# downloaded.
 renew_python() {
    local place="${root}/build/venv/place.stamp" bin="${root}/build/venv/bin"
    [[ -x "${python}" ]] || return 0
@@ -94,7 +95,7 @@ import pathlib
 import sys
 
 folder, python = pathlib.Path(sys.argv[1]), sys.argv[2]
-# as pip writes it: the kernel takes no blanks and no long path behind "#!"
+# same form as pip: the kernel accepts neither blanks nor a long path after "#!"
 head = f"#!{python}\n" if len(python.encode()) < 120 and " " not in python else (
     f"#!/bin/sh\n'''exec' \"{python}\" \"$0\" \"$@\"\n' '''\n")
 for path in folder.iterdir():
@@ -110,7 +111,7 @@ for path in folder.iterdir():
         continue
     path.write_bytes(head.encode() + b"\n".join(rest))
 END
-   # an older environment lacks what builds the packages; it is made anew then
+   # an older environment may lack the packages for the build; the caller then creates a new one
    link_packages > /dev/null 2>&1 || return 1
    printf '%s\n' "${root}" > "${place}"
 }

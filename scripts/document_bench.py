@@ -16,7 +16,7 @@ MAN = ROOT / "doc/man/scree-bench.1"
 BASH = ROOT / "scripts/completion/scree-bench.bash"
 ZSH = ROOT / "scripts/completion/_scree-bench"
 NOTICE = "written by scripts/document_commands.py; do not edit it."
-#: Options whose values are files of some kind, and the pattern of these.
+# : Options whose values are names of files, and the pattern of these names.
 FILES = {"show": "*.json", "compare": "*.json", "out": "*.json", "markdown": "*.md", "scree": "*", "turns": "*"}
 FOLDERS = ("work",)
 BASH_TEXT = """# Completion of scree-bench for bash, @NOTICE@
@@ -48,17 +48,17 @@ complete -F _scree_bench scree-bench
 
 
 def actions():
-    """Options as argparse holds them."""
+    """The options of the argument parser."""
     return [action for action in command.parser()._actions if action.option_strings]
 
 
 def roff(text):
-    """Text that roff takes as it is."""
+    """Text with the special characters of roff escaped."""
     return re.sub(r"^([.'])", r"\\&\1", text.replace("\\", "\\e").replace("-", "\\-"))
 
 
 def value_of(action):
-    """What is typed behind an option."""
+    """The value of an option as the user types it."""
     if action.nargs == 0 or isinstance(action, argparse._StoreTrueAction):
         return ""
     if action.choices:
@@ -67,7 +67,7 @@ def value_of(action):
 
 
 def rows():
-    """Pairs of what is typed and what it means."""
+    """Pairs of an option as the user types it, and its meaning."""
     return [("`" + f"{', '.join(action.option_strings)} {value_of(action)}".strip() + "`", action.help)
             for action in actions()]
 
@@ -98,7 +98,7 @@ def bash_text():
 
 
 def zsh_value(name, action):
-    """What _arguments wants behind the meaning of an option."""
+    """The value part of an option in the syntax of the zsh function _arguments."""
     if not value_of(action):
         return ""
     if action.choices:

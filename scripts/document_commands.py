@@ -59,7 +59,7 @@ complete -F _scree scree
 
 
 def ask(program, *words):
-    """What the program prints, as lines."""
+    """Output of the program as lines."""
     answer = subprocess.run([program, *words], capture_output=True, text=True, check=True)
     return answer.stdout.rstrip("\n").split("\n")
 
@@ -73,7 +73,8 @@ def sections(program):
 
 
 def entries(lines):
-    """Pairs of what is typed and what it means; a line that begins far to the right goes on with the one before."""
+    """Pairs of an option as the user types it, and its meaning; a line with deep indentation continues the previous
+    entry."""
     found = []
     for line in lines:
         if line.startswith(" " * 20):
@@ -85,7 +86,7 @@ def entries(lines):
 
 
 def options(pairs):
-    """All options, long ones with letter, whether they take a value, and what they mean."""
+    """All options: a dictionary from the long name to the letter, the value and the meaning."""
     found = {}
     for typed, meaning in pairs:
         for text in (typed, meaning):
@@ -96,7 +97,7 @@ def options(pairs):
 
 
 def roff(text):
-    """Text that roff takes as it is."""
+    """Text with the special characters of roff escaped."""
     text = text.replace("\\", "\\e").replace("-", "\\-").replace("'", "\\(aq")
     return f"\\&{text}" if text.startswith(".") else text
 
@@ -128,12 +129,12 @@ def man_page(program):
 
 
 def listed(program):
-    """Names that --list knows."""
+    """The names that `scree --list` prints."""
     return [line.split()[0] for line in ask(program, "--list") if line.startswith("   ")]
 
 
 def known_words(known):
-    """Words that options know: the constant ones, and the schedulers in the meaning of --job."""
+    """The values of options that are fixed words: constant ones, and the schedulers in the meaning of --job."""
     schedulers = re.search(r"job script for (.*?), with", known["job"][2])[1]
     return {**WORDS, "job": " ".join(re.split(r", | or ", schedulers))}
 
@@ -156,7 +157,7 @@ def bash_text(program):
 
 
 def zsh_value(name, value, program, fixed):
-    """What _arguments wants behind the meaning of an option."""
+    """The value part of an option in the syntax of the zsh function _arguments."""
     if not value:
         return ""
     if name == "list":
@@ -190,18 +191,18 @@ def table(heading, rows):
 
 
 def post_commands():
-    """Names of the commands of scree-post."""
+    """Names of the subcommands of scree-post."""
     text = (POST / "__init__.py").read_text(encoding="utf-8")
     return re.findall(r'"(\w+)"', text.partition("COMMANDS = (")[2])
 
 
 def post_summary(name):
-    """What the help of scree-post says of one of its commands."""
+    """The summary of a subcommand of scree-post in its help."""
     return re.search(r'^SUMMARY = "(.*)"$', (POST / f"{name}.py").read_text(encoding="utf-8"), re.M)[1]
 
 
 def page(program):
-    """The page of the manual."""
+    """The page doc/reference/command_line.md."""
     lines, codes, examples = sections(program)
     joined = " ".join(line.strip() for line in codes).partition(":")[2]
     ends = [item.strip().partition(" ") for item in re.split(r", (?=\d)", joined) if item.strip()]
@@ -222,7 +223,7 @@ def page(program):
 
 
 def main():
-    """Write or compare."""
+    """Write the files, or compare them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scree", type=Path, help="path of the program")
     parser.add_argument("--check", action="store_true", help="compare the files without writing")

@@ -26,13 +26,13 @@ that a key requires; it is an error to give a key without them.
 
 
 def ask(program, *arguments):
-    """What the program prints."""
+    """Output of the program as lines."""
     answer = subprocess.run([program, *arguments], capture_output=True, text=True, check=True)
     return answer.stdout.strip("\n").split("\n")
 
 
 def cell(text):
-    """Text that does not break a table."""
+    """Text that can stand in a cell of a Markdown table."""
     return text.replace("|", "\\|")
 
 
@@ -42,12 +42,12 @@ def code(text):
 
 
 def sentence(text):
-    """A capital in front and a stop behind."""
+    """The text with a capital letter at the beginning and a full stop at the end."""
     return text[0].upper() + text[1:] + "."
 
 
 def row(program, group, key):
-    """One line of a table."""
+    """The line of a key in the table of its group."""
     head, *rest = ask(program, "--explain", f"{group}.{key}")
     meaning = head.split(None, 1)[1]
     about, needs = {}, []
@@ -80,7 +80,7 @@ def document(program):
     lines = [HEAD]
     for group in groups:
         said = ask(program, "--explain", group)
-        # a key may have the name of a group: both are explained
+        # if a key has the same name as a group, the program explains both
         place = next(n for n, line in enumerate(said) if line.startswith(f"&{group} "))
         head, keys = said[place:place + 2]
         lines += [f"## &{group}", "", sentence(head.split(None, 1)[1]), ""]

@@ -45,12 +45,12 @@ DECK = "scene.nml"
 CHECK = f"scree --check {DECK}"
 RECORD = re.compile(r"^\[([A-Z]\d{3})\]\n", re.M)
 FIELDS = ("says", "when", "cause", "remedy", "note")
-# What the run time library of a Debug build adds.
+# Lines that the run time library of a Debug build prints in addition.
 DEBUG = re.compile(r"At line \d+ of file |Fortran runtime warning: An array temporary")
-WIDEST = 110                     # columns of a line that is shown whole
-FEW = 4                          # lines of a deck that are shown in a row
-LABEL = 8                        # columns of the labels of an example
-# Where to read on: about a group, besides its keys, or where there is none about a section.
+WIDEST = 110                     # columns of a line that is not shortened
+FEW = 4                          # lines of a deck that are shown in sequence
+LABEL = 8                        # width of the labels of an example in columns
+# Pages for further reading by group, in addition to the keys of the group, and by section for messages without a group.
 ABOUT = {
     "run": "../guide/deck.md#dimension", "units": "../guide/deck.md#units", "include": "../guide/deck.md#rules",
     "grid": "../guide/deck.md#dimension", "region": "../guide/shapes.md", "body": "../guide/deck.md#shapes-and-bodies",
@@ -60,7 +60,7 @@ ABOUT = {
     "section format": "../guide/deck.md#rules", "section units": "../guide/deck.md#units",
     "section command_line": "../guide/running.md", "section runs": "../guide/running.md#how-a-run-ends",
     "section files": "../guide/running.md#checkpoints-and-restart"}
-# Keys that are words of prose as well: they count only before an equals sign.
+# Keys that are also common words: they count only before an equals sign.
 PROSE = {"at", "axis", "bodies", "body", "fields", "file", "law", "material", "name", "of", "region", "shape",
          "solution", "type", "scale", "velocity", "stress", "spin"}
 HEAD = """# Messages
@@ -82,7 +82,7 @@ Below, `...` stands for names and numbers. Examples show a wrong deck, file or c
 
 
 class Message:
-    """A record of a section."""
+    """A message of a section: code, text, cause and remedy."""
 
     def __init__(self, section, code, text):
         self.section, self.code = section, code
@@ -102,11 +102,11 @@ class Message:
         self.when = fields["when"][0] if fields["when"] else ""
 
     def pattern(self):
-        """What fits one of the messages: three points stand for anything."""
+        """Regular expression for one of the texts of a message; three points match any text."""
         return re.compile("|".join(".*?".join(map(re.escape, text.split("..."))) for text in self.says))
 
     def told(self, lines):
-        """The first line with the message, which must end with the code; None if there is none."""
+        """The first line that contains the message, which must end with the code; None if there is none."""
         line = next((line for line in lines if self.pattern().search(line)
                      and line.endswith(f"[{self.code}]")), None)
         other = next((line for line in lines if self.pattern().search(line)), None)
@@ -116,13 +116,13 @@ class Message:
 
 
 def patterns(known):
-    """Code, letters and expression of each pattern of some messages."""
+    """For each text of some messages: the code, the number of letters, and the regular expression."""
     return [(message.code, len(text.replace("...", "")), re.compile(".*?".join(map(re.escape, text.split("...")))))
             for message in known for text in message.says]
 
 
 def scores(text, fitting):
-    """Pairs of the number of letters that fit and a code, of all patterns that fit a text; the best first."""
+    """Pairs (number of matching letters, code) of all texts that match a line; the longest match comes first."""
     return sorted({(letters, code) for code, letters, pattern in fitting if pattern.search(text)}, reverse=True)
 
 
@@ -145,7 +145,7 @@ def sections():
 
 
 class Runner:
-    """Runs commands as a shell does, in a folder of their own, with `scree` as the program."""
+    """Runs commands with a shell in a folder of their own, with `scree` as the program."""
 
     def __init__(self, program, folder):
         self.folder, self.right = Path(folder), {}
@@ -154,7 +154,7 @@ class Runner:
         (commands / "scree").symlink_to(Path(program).resolve())
         self.environment = {name: value for name, value in os.environ.items()
                             if not name.startswith(("SLURM_", "PBS_"))}
-        # one thread, messages in English, and lines that come when they are written
+        # one thread, messages in English, and unbuffered output
         self.environment.update(
             PATH=f"{commands}:{os.environ['PATH']}", LC_ALL="C", OMP_NUM_THREADS="1",
             OMP_WAIT_POLICY="passive", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
@@ -165,7 +165,7 @@ class Runner:
         self.version, self.traps = " ".join(head.split()[:2]), " Debug " in head
 
     def place(self, files):
-        """A new folder with some files."""
+        """A new folder that contains some files."""
         place = self.folder.resolve() / str(next(self.count))
         place.mkdir()
         for name, content in files.items():
@@ -173,7 +173,8 @@ class Runner:
         return place
 
     def run(self, place, command):
-        """Exit code and lines that a command prints. Of a check only the verdict on the deck is wanted."""
+        """Exit code and printed lines of a command. For a check, only the lines up to the result of the deck are
+        returned."""
         checks = command.startswith("scree --check")
         words = ["/bin/sh", "-c", f"exec {command}" if checks else command]
         process = subprocess.Popen(words, cwd=place, env=self.environment, stdout=subprocess.PIPE,
@@ -186,7 +187,7 @@ class Runner:
                     continue
                 lines.append(line)
                 if checks and re.search(r" \d+ groups, 0 errors, \d+ warnings$", lines[-1]):
-                    process.kill()   # sizes and estimates come next, which differ among machines
+                    process.kill()   # the following sizes and estimates differ between machines
                     lines.append("...")
                     break
         code = 0 if lines and lines[-1] == "..." else process.returncode
@@ -200,7 +201,7 @@ class Runner:
             raise ValueError(f"{message.code}: {command} has exit code {code}:\n" + "\n".join(said))
 
     def faults(self, files):
-        """What is said of a deck that should have neither errors nor warnings; empty if it has none."""
+        """Errors and warnings of a deck that should have none; empty if it has none."""
         key = repr(sorted(files.items()))
         if key not in self.right:
             said = self.run(self.place(files), CHECK)[1]
@@ -209,18 +210,18 @@ class Runner:
 
 
 def visible(line):
-    """A line of the program, with numbers for letters that cannot be shown."""
+    """A line of the program in which characters that cannot be displayed are replaced by their codes."""
     return "".join(letter if letter >= " " else f"<{ord(letter)}>" for letter in line)
 
 
 def shorter(line):
-    """A line of a deck that can be shown."""
+    """A line of a deck, shortened if it is too long."""
     line = visible(line)
     return line if len(line) <= WIDEST else line[:WIDEST // 2] + " ... " + line[-WIDEST // 3:]
 
 
 def changed(old, new):
-    """Places of lines from the first to behind the last that differ, in both texts."""
+    """Ranges of the lines that differ in two texts, as first line and line after the last one, for each text."""
     first = 0
     while first < min(len(old), len(new)) and old[first] == new[first]:
         first += 1
@@ -231,7 +232,7 @@ def changed(old, new):
 
 
 def excerpt(lines, first, last):
-    """Lines of a deck that differ, and one more if there is none."""
+    """The lines of a deck that differ, with one more line as context if no line remains."""
     chosen = set(range(first, last))
     if not any(lines[place] for place in chosen):
         chosen = {max(first - 1, 0), min(last, len(lines) - 1)}
@@ -247,7 +248,7 @@ def excerpt(lines, first, last):
 
 
 def labelled(label, lines):
-    """Lines with a label before the first one, long ones broken."""
+    """Lines with a label before the first one; long lines are broken."""
     broken = [part for line in lines for part in textwrap.wrap(
         line, WIDEST, subsequent_indent="  ", drop_whitespace=True, replace_whitespace=False,
         break_long_words=False, break_on_hyphens=False) or [""]]
@@ -255,7 +256,7 @@ def labelled(label, lines):
 
 
 def first_fault(message, fitting):
-    """A wrong deck of the tables whose message has this code; None if there is none."""
+    """The first wrong deck of the tables that produces the message with this code; None if there is none."""
     for table in FAULTS:
         for deck, old, new, _, said in table:
             if message.pattern().search(said) and scores(said, fitting)[0][1] == message.code:
@@ -264,7 +265,7 @@ def first_fault(message, fitting):
 
 
 def deck_example(message, runner, fitting):
-    """The line with the message, and lines that show a deck that brings it; None if there is none."""
+    """The line with the message, and lines that show a deck that produces it; None if there is none."""
     given = examples.DECKS.get(message.code)
     if given is None:
         given = first_fault(message, fitting)
@@ -291,7 +292,7 @@ def deck_example(message, runner, fitting):
 
 
 def situation_example(message, runner):
-    """The line with the message, and lines of commands and what they print; None if there are none."""
+    """The line with the message, and lines with commands and their output; None if there are none."""
     situation = situations.SITUATIONS.get(message.code)
     if situation is None:
         return None
@@ -344,7 +345,7 @@ def keys():
 
 
 def title_of(target):
-    """What a link to a document, or to a section of it, is called."""
+    """The title of a document, or of a section of it, as text of a link."""
     name, _, anchor = target.partition("#")
     headings = re.findall(r"^#+ (.*)", (GUIDE / name).read_text(encoding="utf-8"), re.M)
     if not anchor:
@@ -356,12 +357,12 @@ def title_of(target):
 
 
 def related_keys(message, told, known):
-    """The group that a message concerns, None without one, and up to three of its keys."""
+    """The group that a message concerns, or None, and up to three of its keys."""
     found = re.search(r"&(\w+)", told)
     group = found.group(1) if found and found.group(1) in known else None
     text = re.sub("'[^']*'", "", told.split(f"&{group}", 1)[1]) if group else " ".join(message.says)
     words = dict.fromkeys(re.findall(r"\b[a-z]\w*\b", text))
-    if not group:    # a message of no group may name a key that only one group has
+    if not group:    # a message without a group may name a key that occurs in only one group
         owners = [name for name in known for key in known[name] if key in words and "_" in key]
         group = owners[0] if len(set(owners)) == 1 else None
     named = [key for key in words if key in known.get(group, [])
@@ -370,7 +371,7 @@ def related_keys(message, told, known):
 
 
 def see_also(message, group, named):
-    """Links to keys and pages that concern a message; empty if there are none."""
+    """Links to keys and pages that explain the subject of a message; empty if there are none."""
     links = []
     if group:
         links.append((" and ".join(f"`{key}`" for key in named) + " of " if named else "")
@@ -387,7 +388,7 @@ def see_also(message, group, named):
 
 
 def record(message, runner, known, fitting):
-    """The record of a message on the page, and its example for the program."""
+    """The text for a message on the page, and its example for the program."""
     example = situation_example(message, runner) or deck_example(message, runner, fitting)
     told, lines = example or ("", [])
     group, named = related_keys(message, told, known)
@@ -403,14 +404,14 @@ def record(message, runner, known, fitting):
 
 
 def old_record(message):
-    """Both as they are in the files: what a Debug build cannot make."""
+    """Both texts as the files contain them, for messages that a Debug build cannot produce."""
     page = re.search(rf"\n### {message.code}\n.*?(?=\n##|\Z)", PAGE.read_text(encoding="utf-8"), re.S)
     old = dict(records(EXAMPLES.read_text(encoding="utf-8")))[message.code]
     return page.group(), f"[{message.code}]\n{old.rstrip()}\n"
 
 
 def documents(program):
-    """Texts by path: the page and the examples."""
+    """The page and the file of examples as a dictionary from path to text."""
     found, known, faults = sections(), keys(), []
     messages = [message for _, part in found.values() for message in part]
     fitting = patterns(messages)
@@ -430,7 +431,7 @@ def documents(program):
                 faults.append(str(fault))
                 return message.code, ("", "")
 
-        # most of the time goes into the start of message passing, which waits
+        # most of the time is waiting in the start of MPI
         with ThreadPoolExecutor(4) as pool:
             made = dict(pool.map(write, messages))
     if faults:
@@ -445,7 +446,7 @@ def documents(program):
 
 
 def out_of_date(texts):
-    """Files that are not as they should be, each with why."""
+    """Files whose content is out of date, each with the reason."""
     return [f"{path.name} differs" if path.is_file() else f"{path.name} is missing" for path, text in texts.items()
             if not path.is_file() or path.read_text(encoding="utf-8") != text]
 

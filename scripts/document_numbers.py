@@ -56,7 +56,7 @@ class Place:
     text: str
 
     def shown(self, value):
-        """A measured value as the page would show it, before rounding."""
+        """A measured value converted to the unit and factor of the page, before rounding."""
         return (abs(value) if self.size_only else value) * self.factor
 
     def is_rounding(self, value):
@@ -64,7 +64,7 @@ class Place:
         return max(abs(self.shown(value)), abs(float(self.text))) < ROUND_OFF
 
     def written(self, value):
-        """The text for a measured value, in the form of the present one."""
+        """A measured value as text, in the format of the present text."""
         value, mantissa, _, exponent = self.shown(value), *self.text.partition("e")
         digits = len(mantissa.partition(".")[2])
         sign = "+" if self.signed else ""
@@ -74,7 +74,7 @@ class Place:
         return f"{mantissa}e{int(exponent)}"
 
     def differs(self, value, units=1.0):
-        """Whether a measured value is further from the text than so many units of its last digit."""
+        """Whether a measured value and the text differ by more than a given number of units of the last digit."""
         if self.is_rounding(value):
             return False
         value, told = self.shown(value), float(self.text)
@@ -84,7 +84,7 @@ class Place:
 
 
 def names_of(words):
-    """The names that a mark stands for, with braces expanded."""
+    """The names in a mark, with braces expanded."""
     found = []
     for word in words.split():
         texts = [word]
@@ -136,7 +136,7 @@ def all_places():
 
 
 def rewritten(text, places, values):
-    """A page with the present values of its numbers; those without a value and rounding errors do not change."""
+    """A page with the measured values; numbers without a measured value and rounding errors do not change."""
     for place in reversed(places):
         if place.name in values and not place.is_rounding(values[place.name]):
             text = text[:place.span[0]] + place.written(values[place.name]) + text[place.span[1]:]
@@ -169,7 +169,8 @@ def known_values():
 
 
 def results(folder):
-    """What test runs below a folder measured, as rows by name: the last run counts, and tier full before tier long."""
+    """Measured values of the test runs below a folder, as rows by name. A later run takes precedence over an earlier
+    one, and tier full over tier long."""
     found = {}
     for path in sorted(folder.rglob("measured.jsonl"), key=lambda path: path.stat().st_mtime):
         for line in path.read_text(encoding="utf-8").splitlines():
@@ -181,7 +182,8 @@ def results(folder):
 
 
 def write(folder):
-    """Copy the numbers of test runs to the table and the pages; lines about what has none."""
+    """Copy the numbers of test runs to the table and the pages. Returns lines about numbers without a measured
+    value."""
     places, measured, new = all_places(), table(MEASURED), results(folder)
     names = {place.name for place in places if not place.name.startswith(("record.", "speed."))}
     rows = {name: new.get(name, measured.get(name)) for name in names}
@@ -201,7 +203,7 @@ def write(folder):
 
 
 def faults():
-    """Where pages and tables differ."""
+    """Differences between pages and tables."""
     places, values = all_places(), known_values()
     found = [f"{place.path.relative_to(ROOT)}: {place.name} has no value" for place in places
              if place.name not in values]
@@ -213,7 +215,7 @@ def faults():
 
 
 def main():
-    """The command."""
+    """Execute the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="only compare; exit code 1 if they differ")
     parser.add_argument("--results", type=Path, default=ROOT / "build/test", metavar="FOLDER",

@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DRAWING = ROOT / "doc/developer/rooms.svg"
 USE = re.compile(r"^\s*use\s+(\w+)", re.M)
-#: Each folder's column in the drawing, and what it holds in a few words.
+# : Column of each folder in the drawing, and its content in a few words.
 BOXES = {
     "base": (1.8, "deck, errors, MPI, exact sums"), "mesh": (1.5, "grid, tiles, patches, walls"),
     "constitutive": (0.4, "strength, EOS, damage"), "material": (0, "a material, its update"),
@@ -52,14 +52,14 @@ def reach(used, folder):
 
 
 def reduced(used):
-    """The same without arrows that follow from others."""
+    """The same dependencies without those that follow from others."""
     return {folder: {lower for lower in lowers
                      if not any(lower in reach(used, other) for other in lowers - {lower})}
             for folder, lowers in used.items()}
 
 
 def rows_below(used):
-    """{folder: rows between it and the top}: right below the lowest folder that uses it."""
+    """{folder: row of the drawing}: each folder is in the row below the lowest folder that uses it."""
     row = {}
     while len(row) < len(used):
         for folder in used:

@@ -22,7 +22,7 @@ def shape(x):
 
 
 def slope(x):
-    """Its gradient."""
+    """Gradient of the linear shape function."""
     return np.where((x >= -1.0) & (x < 0.0), 1.0, 0.0) - np.where((x >= 0.0) & (x < 1.0), 1.0, 0.0)
 
 
@@ -33,7 +33,7 @@ def alpha(x):
 
 
 def dual_gradient(x):
-    """Modified gradient, equation (M.2), in a line of full cells: the node gradients are central differences."""
+    """Modified gradient, equation (M.2), on a line of full cells, where the node gradients are central differences."""
     place = x - np.floor(x)
     smooth = np.floor(x) + 3.0 * place**2 - 2.0 * place**3          # equation (M.11)
     nodes = 0.5 * (shape(smooth + 1.0) - shape(smooth - 1.0))
@@ -49,7 +49,7 @@ def particles():
 
 
 def grid(panel, moved):
-    """Lines of a grid of four cells, straight or moved, and its nodes."""
+    """Lines and nodes of a grid of four cells, undeformed or moved."""
     line = np.linspace(0.0, 4.0, 5)
     fine = np.linspace(0.0, 4.0, 41)
 
@@ -64,7 +64,7 @@ def grid(panel, moved):
 
 
 def draw_step():
-    """Four parts of a step."""
+    """Draw the four parts of a step."""
     figure, panels = pyplot.subplots(1, 4, figsize=(11.0, 3.1), layout="constrained")
     x, y = particles()
     titles = ("1  particles carry the material", "2  mass, momentum, stress to nodes", "3  nodes move, strain follows",
@@ -90,7 +90,7 @@ def draw_step():
 
 
 def draw_gradient():
-    """Shape function, gradients, and the sum of the forces of a particle that moves."""
+    """Draw the shape function, the gradients, and the sum of the nodal forces of a particle that moves."""
     figure, panels = pyplot.subplots(1, 3, figsize=(11.0, 3.0), layout="constrained")
     x = np.linspace(-2.4, 2.4, 4801)
     panels[0].plot(x, shape(x), color="k")

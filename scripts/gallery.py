@@ -51,7 +51,7 @@ def scenes():
 
 
 def run(options):
-    """Run the scenes that measure themselves; the names of those that failed."""
+    """Run the scenes that have a script measure.py. Returns the names of scenes that failed."""
     chosen = [folder for folder in scenes() if (folder / "measure.py").is_file()
               and (not options.only or folder.name in options.only)]
     failed = []
@@ -70,7 +70,7 @@ def run(options):
 
 
 def section(folder):
-    """Title, first paragraph in one line, pictures and first figures of a scene, and a link to it."""
+    """Section of a scene: title, first paragraph in one line, pictures, first table, and a link to the scene."""
     text = (folder / "README.md").read_text(encoding="utf-8")
     paragraphs = [part.strip() for part in text.split("\n\n")]
     title = paragraphs[0].removeprefix("# ")
@@ -86,12 +86,12 @@ def section(folder):
 
 
 def relink(folder, target):
-    """A link of a scene as one of the page."""
+    """A link in the README of a scene, rewritten so that it is valid in the page."""
     return f"]({os.path.relpath((folder / target).resolve(), PAGE.parent)})"
 
 
 def minutes():
-    """How long one core works on all scenes, by what their READMEs say [min]."""
+    """Processor time of all scenes by their READMEs [min]."""
     seconds = sum(float(found) for folder in scenes()
                   for found in WORKED.findall((folder / "README.md").read_text(encoding="utf-8")))
     return f"{float(f'{seconds / 60.0:.1g}'):g}"

@@ -48,28 +48,29 @@ from mutants.places import Mutant  # noqa: E402
 from mutants.workshop import PROGRAMS, Test, Workshop  # noqa: E402
 
 COLUMNS = ("place", "before", "after", "kind", "outcome", "by", "seconds", "tests", "note")
-LONGEST = {"unit": 0.0, "smoke": 19.0, "full": 31.5}     # recorded seconds of a test in Python that is used
-#: Tests of the package in Python and of the installation.
+LONGEST = {"unit": 0.0, "smoke": 19.0, "full": 31.5}     # longest recorded duration of a Python test that is used [s]
+# : Tests of the Python package and of the installation, which are not used.
 NOT_OF_PROGRAM = re.compile(r"install|speed_bench|test_post_|damaged_series|message_codes")
-CPU = (20.0, 10.0)          # processor time of a test [s]: constant part, and factor of its recorded cost
+# limit of the processor time of a test: constant part [s], and factor of its recorded duration
+CPU = (20.0, 10.0)
 Row = Dict[str, str]
 
 
 class Coverage:
-    """Which tests execute which line."""
+    """The lines that each test executes."""
 
     def __init__(self) -> None:
         self.tests: Dict[Tuple[str, int], List[str]] = defaultdict(list)
 
     def add(self, test: str, lines: Dict[str, List[int]]) -> None:
-        """Record the lines of one test."""
+        """Store the executed lines of one test."""
         for file, numbers in lines.items():
             for number in numbers:
                 self.tests[file, number].append(test)
 
     def of(self, mutant: Mutant, lines: Sequence[str], counted: Set[int]) -> List[str]:
-        """Tests that execute the statement of a mutant. The compiler counts no line for some assignments of constants;
-        these have the tests of the next lines that it counts."""
+        """Tests that execute the statement of a mutant. The compiler has no counter for some assignments of constants;
+        for these the tests of the next lines with a counter are returned."""
         first = last = mutant.line
         while lines[first - 2].rstrip().endswith("&"):
             first -= 1
@@ -82,19 +83,20 @@ class Coverage:
 
 
 def used_tests(shop: Workshop, tier: str) -> List[Test]:
-    """Unit tests, and those of a tier that take a short time."""
+    """Unit tests, and tests of a tier with a short duration."""
     return [test for test in shop.tests.values() if test.is_unit or test.labels & {"smoke", tier}
             and test.cost <= LONGEST[tier] and not NOT_OF_PROGRAM.search(test.name)]
 
 
 def layer_of(shop: Workshop, test: Test) -> str:
-    """Folder of test/unit in which a unit test is; nothing for other tests."""
+    """Folder of test/unit that contains a unit test; an empty text for other tests."""
     found = list(shop.source.glob(f"test/unit/*/{test.name}.pf"))
     return found[0].parent.name if found else ""
 
 
 def in_order(shop: Workshop, mutant: Mutant, names: Iterable[str]) -> List[Test]:
-    """Tests with the likeliest and quickest first; those that a list names come after the unit tests."""
+    """Tests in the order in which they run: the most likely to fail and the quickest first; tests that a list names
+    follow the unit tests."""
     def rank(test: Test) -> Tuple[int, float, str]:
         if test.is_unit:
             words = set(mutant.module.split("_")) & set(test.name.split("_")[1:])
@@ -105,12 +107,12 @@ def in_order(shop: Workshop, mutant: Mutant, names: Iterable[str]) -> List[Test]
 
 
 def cpu_limit(test: Test) -> float:
-    """Processor time that each process of a test gets [s]."""
+    """Limit of the processor time of each process of a test [s]."""
     return CPU[0] + CPU[1] * test.cost
 
 
 class Trial:
-    """Tries mutants, and knows which tests pass without a change."""
+    """Tests mutants, and stores which tests pass without a change."""
 
     def __init__(self, shop: Workshop, coverage: Coverage, options: argparse.Namespace) -> None:
         self.shop, self.coverage, self.budget, self.closer = shop, coverage, options.budget, not options.quick
@@ -118,7 +120,7 @@ class Trial:
         self.digests: Dict[str, str] = {}
 
     def passes(self, test: Test) -> bool:
-        """The test passes without a change; it is run once."""
+        """True if the test passes without a change; it is run only once."""
         if test.name not in self.sound:
             folder = self.shop.scratch / "sound"
             for program in ([Path(test.command[-1]).name] if test.is_unit else PROGRAMS):
@@ -129,7 +131,7 @@ class Trial:
         return self.sound[test.name]
 
     def judge(self, mutant: Mutant) -> Row:
-        """The row of one mutant."""
+        """Test one mutant. Returns its row of the table."""
         begin = time.time()
         row = {"place": mutant.place, "before": mutant.before.strip(), "after": mutant.after.strip(),
                "kind": mutant.kind, "by": "", "tests": "0", "note": ""}
@@ -148,7 +150,7 @@ class Trial:
         return row
 
     def try_tests(self, mutant: Mutant, made: Path, lines: Sequence[str], row: Row) -> None:
-        """Run tests until one fails; complete the row."""
+        """Run tests until one fails, and enter the result into the row."""
         tests = in_order(self.shop, mutant, self.coverage.of(mutant, lines, self.shop.counted_lines(mutant.file)))
         spent, linked, number = 0.0, set(), 0
         row["outcome"] = "survived"
@@ -175,7 +177,7 @@ class Trial:
             row["note"] = "no test executes the line"
 
     def look_closer(self, mutant: Mutant, made: Path, lines: Sequence[str], row: Row) -> None:
-        """Compare the code and the digests of a mutant that no test found with those of the program."""
+        """Compare code and digests of a mutant that passed all tests with those of the original program."""
         changed = made.rename(self.shop.scratch / "kept.o")
         same, _ = self.shop.compile(mutant, "\n".join(lines))
         if same is not None and same.read_bytes() == changed.read_bytes():
@@ -193,7 +195,7 @@ class Trial:
 
 
 def key_of(row: Row) -> Tuple[str, str]:
-    """What makes a mutant the same as another."""
+    """The values that identify a mutant."""
     return row["place"], row["after"]
 
 
@@ -204,11 +206,11 @@ class Table:
         self.path = path
 
     def rows(self) -> List[Row]:
-        """All rows; of a mutant that was tried again, the last one."""
+        """All rows; for a mutant that was tried several times, only the last one."""
         return list({key_of(row): row for row in self.lines()}.values())
 
     def lines(self) -> List[Row]:
-        """All rows as they were written."""
+        """All rows in the order of the file."""
         if not self.path.is_file():
             return []
         with self.path.open(encoding="utf-8", newline="") as file:
@@ -273,14 +275,14 @@ def prepare(shop: Workshop, options: argparse.Namespace) -> None:
 
 
 def chosen(options: argparse.Namespace, source: Path) -> List[Mutant]:
-    """The mutants of a list, or those of the seed."""
+    """The mutants of a list, or the random selection by the seed."""
     if options.list is not None:
         return places.read_list(source, options.list)
     return places.choose(source, options.count, options.least, options.seed)
 
 
 def run(shop: Workshop, options: argparse.Namespace) -> None:
-    """Try the mutants that have no row."""
+    """Try the mutants that have no row yet."""
     shop.load()
     coverage = Coverage()
     names = {test.name for test in used_tests(shop, options.tier)}
@@ -332,7 +334,7 @@ def arguments(words: Optional[Sequence[str]] = None) -> argparse.Namespace:
 
 
 def main() -> None:
-    """Do what the command line says."""
+    """Execute the command line."""
     options = arguments()
     if options.what == "list":
         for mutant in chosen(options, ROOT):
@@ -341,7 +343,7 @@ def main() -> None:
     if options.what == "summary":
         print(summary(Table(options.table).rows()))
         return
-    # a run that is stopped removes its scratch files
+    # a run that a signal ends must remove its scratch files
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     shop = Workshop(ROOT, options.folder.resolve(), options.jobs)
     try:

@@ -20,7 +20,7 @@ LEAVE_OUT = {".git", "build", "out", "node_modules", ".venv"}
 
 
 def new_numbers(pages):
-    """Number of each equation by the one that it had; the letters that pages have."""
+    """New number of each equation by its former one, and the letters of the pages."""
     numbers, count = {}, {}
     for page in pages:
         for letter, old in TAG.findall(page.read_text(encoding="utf-8")):
@@ -32,7 +32,7 @@ def new_numbers(pages):
 
 
 def renumber(path, numbers, letters, lost):
-    """Text of a file with the new numbers; citations that lead nowhere are added to `lost`."""
+    """Text of a file with the new numbers. Citations without an equation are appended to `lost`."""
     def put(found, form):
         letter, old = found.groups()
         if letter not in letters:
@@ -48,15 +48,15 @@ def renumber(path, numbers, letters, lost):
 
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".f90":
-        # code holds no such numbers, and text of the program is not touched
+        # only comments are changed: statements contain no citations, and texts of the program must stay the same
         return "\n".join(head + mark + all_of(tail) for head, mark, tail in
                          (line.partition("!") for line in text.split("\n")))
-    # nor are examples in documents
+    # examples in documents are not changed either
     return "".join(part if part.startswith("`") else all_of(part) for part in re.split(r"(`[^`\n]*`)", text))
 
 
 def main():
-    """Numbers of pages, then all files."""
+    """Renumber the pages, then all citations."""
     parser = argparse.ArgumentParser(prog="number_equations.py", description=__doc__.split("\n\n")[0])
     parser.add_argument("--root", type=Path, default=Path(__file__).resolve().parents[1])
     root = parser.parse_args().root

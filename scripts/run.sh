@@ -53,7 +53,7 @@ deck="${deck:-${root}/input/debris_cloud/scene.nml}"
 [[ -r "${deck}" ]] || stop_with 3 "cannot read the deck '${deck}'"
 deck="$(cd -- "$(dirname -- "${deck}")" && pwd -P)/$(basename -- "${deck}")"
 
-# Name of the case: as in the deck, or from the path.
+# Name of the case: the key `case` of the deck, or else from the path of the deck.
 if [[ -z "${case_name}" ]]; then
    case_name="$(sed -n "s/^[^!]*\bcase *= *[\"']\([^\"']*\)[\"'].*/\1/Ip" "${deck}" | head -n 1)"
 fi
@@ -64,7 +64,7 @@ if [[ -z "${case_name}" ]]; then
    fi
 fi
 
-# Where the results are: an --outdir of the user comes last and wins.
+# Folder of the results: an --outdir of the user comes last and takes precedence.
 folder="${root}/out/${case_name}"
 for ((i = 0; i < ${#options[@]}; i++)); do
    case "${options[i]}" in
@@ -91,7 +91,7 @@ code=0
 "${command[@]}" --case "${case_name}" --outdir "${folder}" "${options[@]}" "${deck}" || code=$?
 ((code == 0)) || exit "${code}"
 
-# Pictures of what was written: picture COMMAND INPUT PICTURE
+# Draw a picture of a result: picture COMMAND INPUT PICTURE
 pictures=()
 picture() {
    [[ -f "$2" ]] || return 0

@@ -22,17 +22,17 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 COSTS = ROOT / "test/costs.csv"
 NEXT_TIER = {"smoke": "full", "full": "long"}
-SHARES = 3      # the long tests are run by thirds
+SHARES = 3      # number of groups of the long tests, one of which is run at a time
 DAY = 86400
-UNKNOWN = 1.0   # cost of a test that was never recorded
-PRESUMED = 600.0  # seconds of a long test that was never recorded, so that no share gets all of them
-LEAST = 180.0   # seconds; with less than this left no test of unknown length is begun
-SLACK = 10.0    # seconds by which CTest may stop tests early
+UNKNOWN = 1.0   # cost of a test without a recorded duration
+PRESUMED = 600.0  # assumed duration of a long test without a recorded one [s], so that no share gets all of them
+LEAST = 180.0   # [s]; a test without a recorded duration starts only if at least this time is left
+SLACK = 10.0    # [s]; CTest may end tests this much before the time limit
 STOPPED = re.compile(r"Test +#\d+: (\S+) \.+\*\*\*Timeout")
 
 
 class Test:
-    """One test as CTest lists it."""
+    """One test in the list of CTest."""
 
     def __init__(self, entry):
         self.name = entry["name"]
@@ -52,7 +52,8 @@ def listed(folder, options):
 
 
 def long_share(tests, share):
-    """One of SHARES groups of the long tests, of about the same cost; every test is in one of them."""
+    """One of SHARES groups of the long tests. The groups have about the same cost, and every test is in exactly one of
+    them."""
     def work(test):
         return (PRESUMED if test.cost == UNKNOWN else test.cost) * test.cores
 
@@ -63,7 +64,8 @@ def long_share(tests, share):
 
 
 def in_time(tests, extra, seconds, jobs):
-    """Those of `extra` that end beside `tests` within the time, and the others."""
+    """The tests of `extra` that can end within the time when they are run together with `tests`, and the other tests of
+    `extra`."""
     chosen, left = list(tests), []
     for test in sorted(extra, key=lambda test: test.cost):
         (chosen if expected([*chosen, test], jobs) <= seconds else left).append(test)
@@ -71,8 +73,9 @@ def in_time(tests, extra, seconds, jobs):
 
 
 def choose(tests, choice, filtered):
-    """Tests of the tiers that were named; those of `full` for a filter without a tier, or what it finds at all. And
-    long tests that were never recorded: they are begun when all others have ended, in the time that is left."""
+    """The tests to run, and the long tests without a recorded duration, which start when all others have ended and run
+    in the remaining time. The tests are those of the named tiers. With a filter but no tier they are those of tier
+    `full`, or all tests that match if none of these is in `full`."""
     tiers = [name for name in ("smoke", "full", "long") if getattr(choice, name)]
     if not tiers:
         tiers = ["full"] if filtered else ["smoke"]
@@ -91,18 +94,18 @@ def choose(tests, choice, filtered):
 
 
 def in_turns(tests, day):
-    """The same tests; each of them is the first on some day."""
+    """The same tests in cyclic order: the first test changes from day to day, so that each is the first on some day."""
     first = day // SHARES % len(tests) if tests else 0
     return tests[first:] + tests[:first]
 
 
 def minutes(seconds):
-    """A length of time for people."""
+    """A duration as text."""
     return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60.0:.0f} min"
 
 
 def expected(tests, jobs):
-    """Seconds that tests take on `jobs` cores, by the recorded costs."""
+    """Duration of tests on `jobs` cores [s], by the recorded costs."""
     work = sum(test.cost * min(test.cores, jobs) for test in tests) / jobs
     return max([work] + [test.cost for test in tests])
 
@@ -114,7 +117,7 @@ def outcomes(file):
         status = entry.get("status")
         skipped = entry.find("skipped") is not None or status in ("notrun", "disabled")
         result = "failed" if status == "fail" else "skipped" if skipped else "passed"
-        # What could not be started, such as a program that was not built, is no skip.
+        # A test that could not be started, for example because its program was not built, counts as failed.
         message = entry.find("skipped")
         if result == "skipped" and message is not None and "SKIP" not in message.get("message", ""):
             result = "failed"
@@ -133,13 +136,14 @@ def table(title, rows):
 
 
 def marked(results, word):
-    """(test, rest of the line) for all lines of the outputs that begin with a word."""
+    """(test, rest of the line) for all output lines that begin with the given word."""
     return [(name, line[len(word):].strip()) for name, _, _, output in results
             for line in output.splitlines() if line.startswith(word + " ")]
 
 
 def record(results, tests):
-    """Write the seconds of tests that passed into the list of costs; those of the others stay, gone tests go."""
+    """Write the durations of tests that passed into the list of costs. Entries of other tests do not change; entries of
+    tests that do not exist any more are removed."""
     costs = {}
     for line in COSTS.read_text(encoding="utf-8").splitlines()[1:]:
         name, seconds = line.rsplit(",", 1)
@@ -150,7 +154,7 @@ def record(results, tests):
 
 
 def report(results, choice, everything, spent):
-    """The tables and the closing lines; true if nothing failed."""
+    """Print the tables and the closing lines. True if nothing failed."""
     known = []
     for name, text in marked(results, "KNOWN"):
         match = re.match(r"(.*): (\S+) \((.*)\)$", text)
@@ -177,14 +181,14 @@ def report(results, choice, everything, spent):
 
 
 class Filter(argparse.Action):
-    """Keeps an option that chooses tests as CTest wants it."""
+    """Stores the options that select tests, in the form in which CTest needs them."""
 
     def __call__(self, parser, namespace, values, option_string=None):
         namespace.filters = namespace.filters + [option_string, values]
 
 
 def arguments():
-    """Our options; the rest goes to CTest."""
+    """The options of this script; all others are passed to CTest."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--folder", type=lambda text: Path(text).resolve(), default=ROOT / "build")
     for word in ("smoke", "full", "long", "record"):
@@ -200,8 +204,8 @@ def arguments():
 
 
 def run_ctest(tests, choice, options, end=math.inf):
-    """Run tests with CTest until some time; its exit code, the results, and the names of those that were stopped then.
-    A test that is stopped before, by its own limit, has failed."""
+    """Run tests with CTest, at most until `end`. Returns the exit code, the results, and the names of the tests that
+    were stopped at this time. A test that exceeds its own time limit before has failed."""
     names = "|".join(re.escape(test.name).replace("\\-", "-").replace("\\/", "/") for test in tests)
     file = choice.folder / "Testing/results.xml"
     file.unlink(missing_ok=True)
@@ -219,7 +223,8 @@ def run_ctest(tests, choice, options, end=math.inf):
 
 
 def try_in_time(tests, choice, options, end):
-    """Results of tests of unknown length that ended before a time; the others are named."""
+    """Run tests without a recorded duration until the time `end`. Returns the results of those that have ended, and
+    prints the names of the others."""
     results = []
     if end - time.time() > LEAST:
         clock = time.strftime("%H:%M:%S", time.localtime(end))
@@ -231,7 +236,7 @@ def try_in_time(tests, choice, options, end):
 
 
 def main():
-    """Choose, run, report."""
+    """Select the tests, run them and print the report."""
     choice, options = arguments()
     everything = listed(choice.folder, [])
     chosen, tried = choose(listed(choice.folder, choice.filters), choice, bool(choice.filters))

@@ -27,9 +27,9 @@ from scaling_model import TILE_CELLS
 ROOT = Path(__file__).resolve().parents[1]
 LAYOUTS = "1x1,2x1,4x1,8x1,16x1,32x1,64x1,128x1,256x1,512x1"
 QUICK = "1x1,2x1,8x1,32x1"
-# By default Open MPI refuses root and more ranks than cores, and binds all threads of a rank to one core. With hundreds
-# of ranks per core, mpiexec of Open MPI 4 can miss that a rank has called MPI_Finalize and then reports an error; a
-# rank that fails is still recognised by its exit code.
+# By default Open MPI refuses to run as root and to start more ranks than cores, and binds all threads of a rank to one
+# core. With hundreds of ranks per core, mpiexec of Open MPI 4 can miss that a rank has called MPI_Finalize and then
+# reports an error; a rank that fails is still recognised by its exit code.
 OPEN_MPI = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
             "OMPI_MCA_hwloc_base_binding_policy": "none",
             "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMPI_MCA_mpi_yield_when_idle": "1",
@@ -58,7 +58,7 @@ BALL = HEAD + """
 
 
 def factors(number):
-    """Three factors of a number, descending, that differ as little as possible."""
+    """Three factors of a number in descending order that differ as little as possible."""
     best = (number, 1, 1)
     for least in range(1, round(number ** (1.0 / 3.0)) + 1):
         for middle in range(least, math.isqrt(number // least) + 1):
@@ -85,7 +85,7 @@ def ball_deck(options, method):
 
 
 def launcher(options, ranks, threads):
-    """The words that start a number of ranks."""
+    """The command that starts a number of ranks, as a list of words."""
     if options.launcher:
         words = options.launcher.format(ranks=ranks, threads=threads).split()
         return words if "{ranks}" in options.launcher else [*words, "-n", str(ranks)]
@@ -97,7 +97,7 @@ def launcher(options, ranks, threads):
 
 
 def run(options, deck, ranks, threads, name):
-    """One run in a folder of this name; its summary."""
+    """Make one run in a folder of this name. Returns its summary."""
     folder = options.work / name
     folder.mkdir(parents=True, exist_ok=True)
     path, result = folder / "case.nml", folder / "case.summary.json"
@@ -116,7 +116,7 @@ def run(options, deck, ranks, threads, name):
 
 
 def has_cores(options, ranks, threads):
-    """True if times can be compared: every thread has a core, or a launcher places the ranks."""
+    """True if times are meaningful: every thread has a core, or a launcher places the ranks."""
     return bool(options.launcher) or ranks * threads <= os.cpu_count()
 
 
@@ -160,7 +160,7 @@ def arguments():
 
 
 def main():
-    """Measure and report."""
+    """Measure, and write the report."""
     options = arguments()
     layouts = [tuple(map(int, word.split("x"))) for word in options.layouts.split(",")]
     options.work.mkdir(parents=True, exist_ok=True)

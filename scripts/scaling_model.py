@@ -14,9 +14,9 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-TILE_CELLS, TILE_NODES = 6, 7           # along an edge of a tile, three dimensions
+TILE_CELLS, TILE_NODES = 6, 7           # cells and nodes along an edge of a tile, three dimensions
 PARTICLES_OF_TILE = 8 * TILE_CELLS ** 3  # two along each edge of a cell
-# Numbers on a node in each exchange of patches in a step with the default method.
+# Numbers per node in each exchange of patches of a step with the default method.
 EXCHANGES = {"mpm": (7, 3), "ddmp": (17,)}
 WORD = 8                                # bytes
 TERMS = ("particles", "nodes of own tiles", "nodes of ghosts", "imbalance", "messages", "collective calls",
@@ -24,9 +24,10 @@ TERMS = ("particles", "nodes of own tiles", "nodes of ghosts", "imbalance", "mes
 
 
 def copies(tiles, ranks):
-    """Patches that a rank sends in an exchange. A segment of the curve with this number of tiles is taken for a cube of
-    e tiles along an edge among other such cubes: each of 6 of them needs e^2 of its tiles, each of 12 e, each of 8
-    one. Few ranks need each of its tiles at most once each."""
+    """Number of patches that a rank sends in an exchange. A segment of the space-filling curve with this number of
+    tiles is approximated by a cube of e tiles along an edge, among other cubes of this size: each of 6 neighbours
+    needs e^2 of its tiles, each of 12 neighbours e, each of 8 neighbours one. The number is bounded, because every
+    other rank needs each tile at most once."""
     edge = tiles ** (1.0 / 3.0)
     return min(6 * edge ** 2 + 12 * edge + 8, tiles * (ranks - 1))
 
@@ -41,18 +42,21 @@ def traffic(method, tiles, ranks):
 class Machine:
     """Assumptions about the machine and the run. Times in s."""
     rate: float = 6.7e6                 # particle updates per second of one core, ddmp in 3-D
-    node_share: float = 0.2             # of the time of a step that is spent on nodes of own tiles
-    scatter_share: float = 1.0 / 3.0    # of the time of a step: particles to nodes; messages overlap with inner tiles
-    latency: float = 2.0e-6             # of a message, and of one level of a collective call
-    bandwidth: float = 1.0e9            # bytes per second that a rank sends while all others send
-    calls: int = 4                      # collective calls in a step
-    imbalance: float = 1.1              # work of the busiest rank over the mean, at which the curve is cut again
-    cuts_every: int = 25                # steps between new cuts, at most
-    threads: int = 1                    # threads of a rank, which share its ghosts and messages
+    node_share: float = 0.2             # share of a step that is spent on the nodes of the rank's own tiles
+    # share of a step that is spent on the way from particles to nodes; messages overlap with the part for inner tiles
+    scatter_share: float = 1.0 / 3.0
+    latency: float = 2.0e-6             # latency of a message, and of one level of a collective call
+    bandwidth: float = 1.0e9            # bytes per second that a rank sends while all other ranks send
+    calls: int = 4                      # number of collective calls in a step
+    # ratio of the greatest to the mean work of the ranks at which the curve is divided anew
+    imbalance: float = 1.1
+    cuts_every: int = 25                # least number of steps between two divisions of the curve
+    threads: int = 1                    # number of threads of a rank, which share its ghosts and messages
 
 
 def predict(machine, particles, ranks):
-    """Seconds of a step by term (TERMS), for a number of particles per rank in dense material with 8 per cell."""
+    """Time of each part of a step (TERMS) [s], for a number of particles per rank in dense material with 8 particles
+    per cell."""
     tiles = particles / PARTICLES_OF_TILE
     sent, size = traffic("ddmp", tiles, ranks)
     whole = particles / (machine.rate * machine.threads)
@@ -70,7 +74,7 @@ def predict(machine, particles, ranks):
 
 
 def seconds(machine, particles, ranks):
-    """Seconds of a step."""
+    """Time of a step [s]."""
     return sum(predict(machine, particles, ranks).values())
 
 
@@ -99,7 +103,8 @@ def table(ranks=10 ** 4):
 
 
 def draw(path):
-    """Left: parts of the step against the ranks; right: strong scaling of a given number of particles."""
+    """Left: time of the parts of a step over the number of ranks; right: strong scaling for a given number of
+    particles."""
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt

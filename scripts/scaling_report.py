@@ -30,8 +30,8 @@ TIME = (("million updates/s", "rate", ".2f"), ("speed-up", "speedup", ".2f"), ("
 
 
 def row(method, kind, summary, rates, tiles):
-    """A row from the summary of a run; `rates` are particle updates per second, empty where times mean nothing, and
-    `tiles` those of a rank in weak scaling."""
+    """A row from the summary of a run. `rates` are particle updates per second, and empty if times are not meaningful;
+    `tiles` is the number of tiles per rank in weak scaling."""
     counts, ranks = summary["rank_counts"], summary["ranks"]
     steps = counts["steps"]
     each = {name: value["avg"] / steps for name, value in counts.items() if name != "steps"}
@@ -62,7 +62,7 @@ def row(method, kind, summary, rates, tiles):
 
 
 def add_speed(rows):
-    """Speed-up and efficiency against the first row of the same method and kind."""
+    """Add speed-up and efficiency relative to the first row of the same method and kind."""
     for entry in rows:
         first = next(other for other in rows if all(other[key] == entry[key] for key in ("method", "kind")))
         entry["speedup"] = entry["rate"] / first["rate"]
@@ -78,12 +78,12 @@ def differing_digests(rows):
 
 
 def cell(value, form):
-    """A value as text; a dash for what was not measured."""
+    """A value as text; a dash if it was not measured."""
     return "-" if isinstance(value, float) and math.isnan(value) else format(value, form)
 
 
 def table(rows, columns):
-    """Some columns of rows in Markdown."""
+    """The given columns of the rows as a table in Markdown."""
     lines = ["| ranks x threads | " + " | ".join(heading for heading, _, _ in columns) + " |",
              "|" + "---|" * (len(columns) + 1)]
     for entry in rows:
@@ -93,8 +93,9 @@ def table(rows, columns):
 
 
 def growth(rows):
-    """Least squares of memory over ranks, from the number of ranks on at which every rank has all its neighbours:
-    MB for no ranks, and bytes for each further rank. None with fewer than three layouts."""
+    """Fit of the memory per rank by a straight line over the number of ranks, by least squares, for 27 ranks or more,
+    where every rank has all its neighbours: slope [MB per rank] and intercept [MB], with and without the memory of
+    MPI at its start. None with fewer than three layouts."""
     points = [(entry["ranks"], entry["memory"], entry["memory_rest"]) for entry in rows if entry["ranks"] >= 27]
     if len(points) < 3:
         return None
@@ -131,7 +132,7 @@ def report(rows, scene):
 
 
 def panel(axes, rows, keys, ylabel, log=True):
-    """Curves of some keys against the ranks."""
+    """Curves of some quantities over the number of ranks."""
     from scree.plot import COLOURS
     for colour, (key, label, style) in zip(COLOURS, keys):
         points = [(entry["ranks"], entry[key]) for entry in rows if entry[key] > 0]

@@ -22,7 +22,7 @@ from scree import program, results, study
 from scree.quantities import value_of
 
 WIDE = 1800                            # pixels of a picture
-TIMES = ("seconds", "seconds_all")     # names of the times of the deck as it is and of all runs [s]
+TIMES = ("seconds", "seconds_all")     # names of the processor times of the unchanged deck and of all runs [s]
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 MARKED = re.compile(r"<!--=(\w+)-->(.*?)<!--=-->", re.S)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
@@ -36,18 +36,18 @@ class Run:
 
     @property
     def summary(self):
-        """What CASE.summary.json holds."""
+        """The content of CASE.summary.json."""
         return self.results.summary
 
     @property
     def history(self):
-        """The first history, or None if the deck asks for none."""
+        """The first history, or None if the deck writes none."""
         name = self.file_of("history")
         return scree_post.history(str(self.folder / name)) if name else None
 
     @property
     def series(self):
-        """Times [s] and files of the first series of particles, or None."""
+        """Times [s] and files of the first particle output, or None."""
         name = self.file_of("particles")
         return scree_post.series(str(self.folder / name)) if name else None
 
@@ -57,12 +57,12 @@ class Run:
         return next((files[key] for key in sorted(files) if key.startswith(kind)), None)
 
     def last_snapshot(self):
-        """The last snapshot of the first series, or None."""
+        """The last snapshot of the first particle output, or None."""
         series = self.series
         return scree_post.snapshot(series[-1][1]) if series else None
 
     def value(self, quantity, body=None, percentile=100.0):
-        """The number of a quantity; an error lists what there is."""
+        """The number of a quantity; the error for an unknown name lists all quantities."""
         return value_of(self.results, quantity, body, percentile)
 
     def near(self, moment):
@@ -75,25 +75,25 @@ class Run:
 
     @property
     def code(self):
-        """The exit code; not 0 only in cases that may fail."""
+        """The exit code; it can differ from 0 only for cases in `may_fail`."""
         return self.summary["exit_code"]
 
 
 @dataclass
 class Table:
-    """Heads and rows of texts."""
+    """A table: headings and rows of texts."""
 
     heads: list
     rows: list = field(default_factory=list)
 
     def text(self):
-        """As lines of Markdown."""
+        """The table in Markdown."""
         lines = [self.heads, ["---"] * len(self.heads), *self.rows]
         return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines) + "\n"
 
 
 class Study:
-    """The runs of a scene, what is measured on them, and how it is drawn.
+    """The runs of a scene, the quantities measured in them, and the functions that draw them.
 
     `cases` gives for each name the deck, relative to the folder of the scene, and values for --set; `tables` makes
     tables of the runs by name; `pictures` gives for each file name what draws it: a function of the runs and of
@@ -111,11 +111,11 @@ class Study:
         self.as_it_stands = as_it_stands or next((name for name, (_, values) in cases.items() if not values), None)
 
     def main(self):
-        """Understand the command line and do what it asks for."""
+        """Evaluate the command line and execute it."""
         scree_post.run(self.work, self.folder.name)
 
     def work(self):
-        """All of it; the exit code."""
+        """Execute the study. Returns the exit code."""
         options = self.arguments()
         runs = self.run(options)
         if options.pictures:
@@ -131,7 +131,7 @@ class Study:
         return 0
 
     def draw(self, runs, folder):
-        """The pictures, into a folder; the exit code."""
+        """Draw the pictures into a folder. Returns the exit code."""
         for name, draw in self.pictures.items():
             figure = draw(runs, scree_post.pyplot())
             if figure:
@@ -167,7 +167,7 @@ class Study:
         return options
 
     def run(self, options):
-        """Run the cases that are not there yet; all of them by name."""
+        """Make the runs that have no results yet. Returns all runs by name."""
         chosen = {name: case for name, case in self.cases.items()
                   if not options.only or name in options.only}
         threads = program.threads_of_a_run()
@@ -179,12 +179,13 @@ class Study:
         return {name: Run(options.out / name, name) for name in chosen}
 
     def refuse_failed(self, run):
-        """A scene without one of its runs has no figures, unless that it fails is one of them."""
+        """Raise an error if a run failed, unless its exit code is in `may_fail`: without this run the tables cannot be
+        written."""
         if run.code not in (0, self.may_fail.get(run.case, 0)):
             raise ScreeError(f"{run.case} ended with exit code {run.code}: {run.reason}", run.code)
 
     def documents(self, runs, text, times=None):
-        """What the documents hold and what they should, by path: the tables as `text`, and numbers."""
+        """For each path the present text of the document, and the text with tables and numbers of the runs."""
         found = {}
         for name in {"README.md": None, **self.numbers}:
             path = (self.folder / name).resolve()
@@ -198,13 +199,14 @@ class Study:
         return found
 
     def times(self, runs):
-        """How long the runs take. They never take as long twice, so nothing is compared with it."""
+        """Processor times of the runs as numbers of the README. They differ from run to run, so --check does not
+        compare them."""
         worked = {name: run.summary["processor_s"] for name, run in runs.items()}
         first = worked.get(self.as_it_stands, 0.0)
         return dict(zip(TIMES, (two_digits(first), two_digits(sum(worked.values())))))
 
     def check(self, documents):
-        """Numbers of the documents against those of the runs."""
+        """Compare the numbers of the documents with those of the runs."""
         number = 0
         for path, texts in documents.items():
             for line in differences(*texts, self.tolerance):
@@ -215,7 +217,7 @@ class Study:
 
 
 def with_tables(path, text, tables):
-    """A document with other text between its two lines."""
+    """The document with another text between the two marks of the tables."""
     if text.count(BEGIN) != 1 or text.count(END) != 1:
         raise ScreeError(f"{path}: wants one line {BEGIN} and one line {END}")
     before, rest = text.split(BEGIN)
@@ -223,9 +225,9 @@ def with_tables(path, text, tables):
 
 
 def with_numbers(path, text, values):
-    """A document with other texts in its marks, by name; None keeps what is there.
+    """The document with other texts in its marks, by name; the value None means no change.
 
-    Each name has a mark and each mark a name; a document may leave out marks of times.
+    The marks and the names must agree, except that marks of times may be absent.
     """
     marked = {name for name, _ in MARKED.findall(text)}
     unmarked, unknown = set(values) - marked - set(TIMES), marked - set(values)
@@ -241,12 +243,13 @@ def with_numbers(path, text, values):
 
 
 def two_digits(value):
-    """A positive number as a text of two digits that count."""
+    """A positive number as text with two significant digits."""
     return f"{float(f'{value:.2g}'):g}"
 
 
 def differences(told, found, tolerance):
-    """Lines that differ: other words, or numbers off by more than a share. Numbers below 1e-9 are rounding."""
+    """Lines that differ: in their words, or in numbers by more than the relative tolerance. Numbers below 1e-9 are
+    rounding errors."""
     told, found = told.splitlines(), found.splitlines()
     if len(told) != len(found):
         return [f"{len(told)} lines, {len(found)} with the figures of the runs"]

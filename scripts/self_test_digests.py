@@ -25,7 +25,7 @@ ROW = re.compile(r"^ *(\w+) +\d+ +\d+ +([0-9a-f]{16}) ", re.M)
 
 
 def digests_of(scree):
-    """Kind of a build, and digest of each scene. A difference to the recorded digests is no failure here."""
+    """Kind of a build, and digest of each scene. A difference from the recorded digests is not a failure here."""
     answer = subprocess.run([scree, "--self-test"], text=True, capture_output=True, check=False, timeout=600)
     kind, rows = KIND.search(answer.stdout), dict(ROW.findall(answer.stdout))
     if answer.returncode not in (0, 5) or not kind or not rows:

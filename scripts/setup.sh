@@ -40,12 +40,12 @@ done
 missing=()
 drawing=()
 
-# Note a package if a command is not there: need_command COMMAND PACKAGE
+# Add a package to the list if a command is missing: need_command COMMAND PACKAGE
 need_command() {
    command -v "$1" > /dev/null 2>&1 || missing+=("$2")
 }
 
-# A Python that can make environments: the first in the path, or the system's own.
+# A Python with the module venv: the first one in the search path, or that of the system.
 find_python() {
    local candidate
    for candidate in python3 /usr/bin/python3; do
@@ -76,14 +76,14 @@ collect_missing() {
    fi
    need_command git git
    collect_libraries
-   # The translator of unit tests needs any python3; the environment needs venv.
+   # The generator of the unit tests works with any python3; the environment needs venv.
    need_command python3 python3
    if [[ "${with_python}" == yes && ! -x "${python}" && -z "$(find_python)" ]]; then
       missing+=(python3-venv)
    fi
 }
 
-# MPI and the HDF5 that was built with it.
+# MPI, and the HDF5 library that was built with it.
 collect_libraries() {
    local packages=(ca-certificates)
    case "${mpi}" in
@@ -105,8 +105,8 @@ collect_libraries() {
    fi
 }
 
-# VTK loads these when it draws without a screen. The pictures of scripts/run.sh do without, so
-# they are taken along where possible and are no reason to stop.
+# VTK needs these libraries to draw without a screen. The pictures of scripts/run.sh do not need
+# them, so they are installed where possible, and their absence is not an error.
 collect_drawing() {
    local package
    drawing=()
@@ -116,14 +116,14 @@ collect_drawing() {
    done
 }
 
-# Sudo is of use if it needs no password, or if somebody is there to type it.
+# Sudo is used if it needs no password, or if the user can type the password.
 may_use_sudo() {
    command -v sudo > /dev/null 2>&1 || return 1
    [[ -t 0 ]] || sudo -n true 2> /dev/null
 }
 
 install_missing() {
-   # Ninja is faster than make: take it along when something is installed anyway.
+   # Ninja is faster than make; it is installed only together with other packages.
    command -v ninja > /dev/null 2>&1 || drawing+=(ninja-build)
    local as_root=()
    if [[ "$(id -u)" != 0 ]]; then
@@ -149,7 +149,7 @@ setup_python() {
    local requirements="${root}/python/pyproject.toml"
    local stamp="${root}/build/venv/requirements.stamp"
    local commands="${root}/build/venv/bin"
-   # what cannot be brought here is made anew below
+   # if the environment cannot be moved to this folder, a new one is created below
    renew_python || rm -rf "${root}/build/venv"
    if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" \
       && "${commands}/scree-post" --version > /dev/null 2>&1; then

@@ -40,7 +40,7 @@ done
    || stop_with 3 "MkDocs is not installed in build/venv; scripts/setup.sh installs it"
 cd "${root}"
 
-# Build into a folder. With --quiet MkDocs would not count warnings.
+# Build into a folder. The option --quiet is not used, because MkDocs would then not count warnings.
 build_site() {
    local said
    export NO_MKDOCS_2_WARNING=1

@@ -14,7 +14,8 @@ import matplotlib.pyplot
 
 import scree
 
-# Two blocks meet in plane strain. Files are in mm, us and mg, so that a number that is not brought to SI is far off.
+# Two blocks meet in plane strain. Units of the files are mm, us and mg, so that a number that is not converted to SI is
+# wrong by orders of magnitude.
 DECK = """
 &run  case = 'tiny'  dimension = 'plane_strain' /
 &units  system = 'mm-us-mg'  output_units = 'deck' /
@@ -33,7 +34,7 @@ DECK = """
 &output  name = 'load'  kind = 'forces'  every = 1 /
 &output  name = 'pieces'  kind = 'fragments'  count = 2 /
 """
-# A bar runs against a wall.
+# A bar that hits a wall.
 LINE = """
 &run  case = 'bar'  dimension = '1d' /
 &grid  lo = 0, 0, 0  hi = 0.02, 0.001, 0.002  dx = 0.001 /
@@ -49,13 +50,13 @@ LINE = """
 
 @pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory) -> scree.Run:
-    """The two blocks."""
+    """The run of the two blocks."""
     return scree.run(DECK, outdir=tmp_path_factory.mktemp("tiny"), progress=False)
 
 
 @pytest.fixture(scope="session")
 def bar(tmp_path_factory: pytest.TempPathFactory) -> scree.Run:
-    """The bar in one dimension."""
+    """The run of the bar in one dimension."""
     return scree.run(LINE, outdir=tmp_path_factory.mktemp("bar"), progress=False)
 
 
@@ -69,6 +70,6 @@ def deck(tmp_path: Path) -> Path:
 
 @pytest.fixture(autouse=True)
 def no_figures() -> Iterator[None]:
-    """No figure is left open."""
+    """Close all figures after each test."""
     yield
     matplotlib.pyplot.close("all")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page doc/guide/python.md: its example runs, and it names everything that the package offers."""
+"""The page doc/guide/python.md: its examples run, and it mentions every name of the package."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ PAGE = Path(__file__).resolve().parents[2] / "doc/guide/python.md"
 
 
 def blocks() -> list[str]:
-    """Blocks of Python of the page."""
+    """The blocks of Python code in the page."""
     return re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)
 
 
 def test_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch an example that does not run, is too long to read, or prints something else than the page says."""
+    """Would catch an example that does not run, is too long, or prints other text than the page shows."""
     example = blocks()[0]
     assert len(example.splitlines()) <= 40
     monkeypatch.chdir(tmp_path)
@@ -29,7 +29,7 @@ def test_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with contextlib.redirect_stdout(said):
         exec(compile(example, PAGE.name, "exec"), {})
     last = said.getvalue().splitlines()[-1]
-    for block in blocks()[1:]:                           # they read what the example has written
+    for block in blocks()[1:]:                           # these blocks read the results of the first example
         exec(compile("import scree\n" + block, PAGE.name, "exec"), {})
     assert f"`{last}`" in PAGE.read_text(encoding="utf-8")
     speed, slope = (float(word) for word in re.findall(r"\d+\.?\d*", last))
@@ -39,9 +39,10 @@ def test_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_names_of_the_page() -> None:
-    """Would catch a function that the page does not mention, and one that it mentions and that is not there."""
+    """Would catch a function that the page does not mention, and one that it mentions and that does not exist."""
     text = PAGE.read_text(encoding="utf-8")
-    left_out = {"Tables", "Snapshots", "plot"}           # what run.tables, run.snapshots and scree.plot are made of
+    # classes of the attributes run.tables, run.snapshots and scree.plot
+    left_out = {"Tables", "Snapshots", "plot"}
     for name in set(scree.__all__) - left_out:
         assert re.search(rf"\b{name}\b", text), f"{name} is not in {PAGE.name}"
     for name in re.findall(r"\bscree\.plot\.(\w+)\(", text):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page doc/guide/in_process.md: its examples run and print what it says, and it names everything there is."""
+"""The page doc/guide/in_process.md: its examples run and print the text of the page, and it mentions every member."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ PAGE = Path(__file__).resolve().parents[2] / "doc/guide/in_process.md"
 
 
 def test_examples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch an example that does not run, or results that are not those of the page: a law that relaxes no
-    stress, a spring of another period, a piston that does not reach its stress."""
+    """Would catch an example that does not run, or results that differ from the page: a material model without stress
+    relaxation, a spring with a wrong period, a piston that does not reach its stress."""
     text = PAGE.read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     said = io.StringIO()
@@ -43,7 +43,7 @@ def test_examples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_names() -> None:
-    """Would catch a member that the page does not explain, and one that is gone."""
+    """Would catch a member that the page does not explain, and one that does not exist any more."""
     text = PAGE.read_text(encoding="utf-8")
     used = set(re.findall(r"\bsim\.(\w+)", text))
     public = {name for name in vars(Simulation) if not name.startswith("_")} | {"stores", "controls"}

@@ -20,7 +20,7 @@ from scree import launch, study
 
 
 def fake(folder: Path, code: str) -> Path:
-    """A program of a few lines of shell in place of scree."""
+    """A program of a few lines of shell that replaces scree."""
     path = folder / "scree"
     path.write_text(f"#!/bin/sh\n{code}\n", encoding="utf-8")
     path.chmod(0o755)
@@ -28,7 +28,7 @@ def fake(folder: Path, code: str) -> Path:
 
 
 def test_values_of_keys() -> None:
-    """Would catch a value of Python that the deck reads as something else."""
+    """Would catch a value of Python that the deck reads as a different value."""
     assert launch.deck_value(True) == ".true." and launch.deck_value(np.bool_(False)) == ".false."
     assert launch.deck_value((0, 0, -1.5)) == launch.deck_value(np.array([0.0, 0.0, -1.5])).replace("0.0", "0")
     assert launch.deck_value(1e-30) == "1e-30" and launch.deck_value(np.float64(0.1)) == "0.1"
@@ -36,7 +36,7 @@ def test_values_of_keys() -> None:
 
 
 def test_settings_reach_the_program(deck: Path, tmp_path: Path) -> None:
-    """Would catch settings, names and folders that are lost on the way."""
+    """Would catch settings, names and folders that do not reach the program."""
     run = scree.run(deck, {"grid.dx": 1.5, "body[left].velocity": (0.25, 0, 0), "method.transfer": "flip",
                            "effects.gravity": False}, outdir=tmp_path / "here", case="other", progress=False)
     assert (run.folder, run.case) == (tmp_path / "here", "other")
@@ -45,7 +45,7 @@ def test_settings_reach_the_program(deck: Path, tmp_path: Path) -> None:
 
 
 def test_default_folder(deck: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch results that are looked for elsewhere than where the program puts them."""
+    """Would catch results that are searched in another folder than that of the program."""
     monkeypatch.chdir(tmp_path)
     run = scree.run(deck.name, progress=False)
     assert run.case == "tiny" and (tmp_path / "out/tiny/tiny.log").exists()
@@ -54,14 +54,14 @@ def test_default_folder(deck: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 def test_ranks_and_threads(run: scree.Run, tmp_path: Path) -> None:
-    """Would catch ranks or threads that are not started; the result has the same bits for any."""
+    """Would catch ranks or threads that are not started; the result has the same bits for any number of them."""
     both = scree.run(DECK, outdir=tmp_path, ranks=2, threads=2, progress=False)
     assert (both.summary["ranks"], both.summary["threads"]) == (2, 2)
     assert both.summary["digest"] == run.summary["digest"]
 
 
 def test_deck_error(deck: Path, tmp_path: Path) -> None:
-    """Would catch an error of the deck that loses the sentences of the program."""
+    """Would catch an error of the deck without the message of the program."""
     with pytest.raises(scree.DeckError, match=r"unknown key 'dy'; did you mean 'dx'") as caught:
         scree.run(deck, {"grid.dy": 1}, outdir=tmp_path / "out", progress=False)
     assert caught.value.code == 2 and "grid" in caught.value.messages[0]
@@ -69,7 +69,8 @@ def test_deck_error(deck: Path, tmp_path: Path) -> None:
 
 
 def test_file_problem(deck: Path, tmp_path: Path) -> None:
-    """Would catch results that are replaced silently, and a hint that names options of the command line only."""
+    """Would catch results that are overwritten without a message, and a hint that names options of the command line
+    only."""
     with pytest.raises(scree.FileProblem, match="cannot read"):
         scree.run(tmp_path / "absent.nml", progress=False)
     first = scree.run(deck, outdir=tmp_path / "out", progress=False)
@@ -81,14 +82,15 @@ def test_file_problem(deck: Path, tmp_path: Path) -> None:
 
 
 def test_physics_error(deck: Path, tmp_path: Path) -> None:
-    """Would catch a run that failed and passes for one that did not, or whose results cannot be found."""
+    """Would catch a failed run that counts as successful, or whose results cannot be found."""
     with pytest.raises(scree.PhysicsError, match="below dt_min") as caught:
         scree.run(deck, {"time.dt_min": 10.0}, outdir=tmp_path / "out", progress=False)
     assert caught.value.code == 4 and scree.open(caught.value.folder).exit_code == 4
 
 
 def test_messages_with_ranks(deck: Path, tmp_path: Path) -> None:
-    """Would catch the sentences of the program among those of mpiexec, and mpiexec's own errors that are left out."""
+    """Would catch messages of the program that are lost among those of mpiexec, and errors of mpiexec itself that are
+    left out."""
     with pytest.raises(scree.DeckError) as caught:
         scree.run(deck, {"grid.dy": 1}, outdir=tmp_path / "out", ranks=2, progress=False)
     assert "unknown key 'dy'" in str(caught.value) and "mpiexec" not in str(caught.value)
@@ -104,13 +106,13 @@ def test_messages_with_ranks(deck: Path, tmp_path: Path) -> None:
     ("kill -KILL $$", scree.InternalError, "signal 9"),
     ("echo 'stopped' >&2; exit 75", scree.Interrupted, "restart=True")])
 def test_other_ends(tmp_path: Path, code: str, kind: type[scree.ScreeError], text: str) -> None:
-    """Would catch an end of the program that is taken for another one."""
+    """Would catch a wrong exception or message for an exit code or signal."""
     with pytest.raises(kind, match=text):
         scree.run(tmp_path / "a.nml", program=fake(tmp_path, code), progress=False)
 
 
 def test_no_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch a program that is found though another one was named, and an order of places that is not kept."""
+    """Would catch a program that is used although another one was named, and a wrong order of search."""
     with pytest.raises(scree.FileProblem, match="no program"):
         scree.run(tmp_path / "a.nml", program=tmp_path / "absent", progress=False)
     mine = fake(tmp_path, "exit 0")
@@ -126,7 +128,7 @@ def test_no_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_much_output(tmp_path: Path) -> None:
-    """Would catch a program that waits for ever because one of its two streams is not read."""
+    """Would catch a program that waits for ever because one of its two output streams is not read."""
     code = "i=0; while [ $i -lt 3000 ]; do echo 'a long line of the standard error stream of the program' >&2; " \
            "echo 'and a line of its standard output'; i=$((i+1)); done; exit 4"
     with pytest.raises(scree.PhysicsError) as caught:
@@ -135,13 +137,13 @@ def test_much_output(tmp_path: Path) -> None:
 
 
 def test_nothing_computed(deck: Path, tmp_path: Path) -> None:
-    """Would catch results of an option that makes none."""
+    """Would catch results for an option with which the program computes nothing."""
     with pytest.raises(scree.DeckError, match="usage: scree"):
         scree.run(deck, outdir=tmp_path, options=["--help"], progress=False)
 
 
 def test_text_of_other_results(tmp_path: Path) -> None:
-    """Would catch a deck that is replaced beside the results that it made."""
+    """Would catch a deck that is replaced although results of the previous deck exist."""
     scree.run(LINE, outdir=tmp_path, progress=False)
     with pytest.raises(scree.FileProblem, match="overwrite=True"):
         scree.run(LINE.replace("-500", "-400"), outdir=tmp_path, progress=False)
@@ -153,7 +155,7 @@ def test_text_of_other_results(tmp_path: Path) -> None:
 
 
 def test_text_needs_a_folder() -> None:
-    """Would catch a deck that is written into the folder of the user."""
+    """Would catch the text of a deck that is written into the current folder of the user."""
     with pytest.raises(ValueError, match="outdir"):
         scree.run(DECK, progress=False)
     with pytest.raises(ValueError, match="at least 1"):
@@ -161,7 +163,7 @@ def test_text_needs_a_folder() -> None:
 
 
 def test_wall_limit_and_restart(tmp_path: Path) -> None:
-    """Would catch a restart that begins again, and a stop that passes for an end."""
+    """Would catch a restart that begins from the start, and a stopped run that counts as complete."""
     long = {"grid.dx": 0.1, "time.t_end": 500.0, "output[all].count": 1}
     with pytest.raises(scree.Interrupted, match="restart=True") as caught:
         scree.run(DECK, {**long, "time.wall_limit": "00:00:01"}, outdir=tmp_path, progress=False)
@@ -175,11 +177,11 @@ def test_wall_limit_and_restart(tmp_path: Path) -> None:
 
 
 def interrupt(call: str, folders: list[Path]) -> None:
-    """Interrupt a call in a Python of its own when its runs have begun; each has to leave a checkpoint."""
-    # a shell lets programs in the background ignore this signal
+    """Interrupt a call in a separate Python process after its runs have begun; each run must write a checkpoint."""
+    # a shell starts background processes with this signal ignored
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); import scree; long = " \
         f"{{'grid.dx': 0.1, 'time.t_end': 5000.0, 'time.wall_limit': '00:02:00', 'output[all].count': 1}}; {call}"
-    # without what MPI, once started in this process, has added to the environment behind the back of Python
+    # without the environment variables that MPI sets when it is started in this process, which Python does not see
     child = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, env={**os.environ})
     end = time.monotonic() + 60.0
     while not all((folder / "tiny_p_000000.hdf").exists() for folder in folders):
@@ -203,7 +205,7 @@ def test_interrupt_of_the_keyboard(deck: Path, tmp_path: Path) -> None:
 
 
 def test_interrupt_of_a_sweep(deck: Path, tmp_path: Path) -> None:
-    """Would catch an interrupt that waits for the end of all runs, or begins those that wait."""
+    """Would catch an interrupt that waits for the end of all runs, or after which waiting runs start."""
     interrupt(f"scree.sweep({str(deck)!r}, 'time.cfl', [0.3, 0.2, 0.1], lambda run: 0.0, jobs=2, set=long, "
               f"outdir={str(tmp_path / 'out')!r})", [tmp_path / "out/cfl_0.3", tmp_path / "out/cfl_0.2"])
     assert not (tmp_path / "out/cfl_0.1").exists()
@@ -211,7 +213,8 @@ def test_interrupt_of_a_sweep(deck: Path, tmp_path: Path) -> None:
 
 def test_progress(deck: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
                   capfd: pytest.CaptureFixture[str]) -> None:
-    """Would catch a bar that does not understand the lines of the program, or is drawn where nobody sees it."""
+    """Would catch a progress bar that does not evaluate the lines of the program, or that is drawn without a
+    terminal."""
     shares: list[str] = []
     line = launch.Progress.line
 
@@ -252,8 +255,8 @@ def test_sweep(tmp_path: Path) -> None:
 
 
 def test_sweep_resumes(tmp_path: Path) -> None:
-    """Would catch finished runs that are made again, combinations that are lost, and results of other settings that are
-    taken for those of this study."""
+    """Would catch completed runs that are repeated, combinations that are lost, and results of other settings that are
+    used for this study."""
     keys = {"grid.dx": [1e-3, 2e-3], "time.cfl": [0.3, 0.2]}
 
     def study(**options: Any) -> dict[tuple[float, float], float]:
@@ -278,7 +281,7 @@ def test_sweep_resumes(tmp_path: Path) -> None:
 
 
 def test_sweep_with_failures(tmp_path: Path) -> None:
-    """Would catch a sweep that loses its results because one run failed, and one that hides a wrong key."""
+    """Would catch a sweep that loses its results because one run failed, and one that hides an invalid key."""
     table = scree.sweep(LINE, "time.dt_min", [1e-12, 1.0], lambda run: run.summary["steps"], outdir=tmp_path,
                         progress=False)
     assert table["value"].iloc[0] > 0 and np.isnan(table["value"].iloc[1])

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The notebooks in doc/learn/notebooks run from the first cell to the last and draw what they speak of."""
+"""The notebooks in doc/learn/notebooks run from the first cell to the last and draw the figures that their text
+describes."""
 from __future__ import annotations
 
 import base64
@@ -16,20 +17,20 @@ nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed; sc
 
 FOLDER = Path(__file__).resolve().parents[2] / "doc/learn/notebooks"
 BOOKS = sorted(FOLDER.glob("*.ipynb"))
-# Fewest pictures, and words of the printed results.
+# Least number of pictures, and words of the printed results.
 EXPECTED = {"shock_in_copper": (2, "the deck has 3940 m/s"), "debris_cloud": (4, ""),
             "glass_rod": (2, "m/s in the glass"), "column_collapse": (3, "measured"),
             "taylor_bar": (2, "the deck has 157 MPa"), "driven_plate": (2, "Gurney")}
 
 
 def test_all_notebooks_are_known() -> None:
-    """Would catch a notebook without an expected result, and one that is gone."""
+    """Would catch a notebook without an expected result, and an expected result without a notebook."""
     assert {book.stem for book in BOOKS} == set(EXPECTED)
 
 
 @pytest.mark.parametrize("path", BOOKS, ids=lambda path: path.stem)
 def test_notebook(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch a cell that fails, a picture that is empty, results left in the file, and more than 40 lines."""
+    """Would catch a cell that fails, an empty picture, results stored in the file, and more than 40 lines of code."""
     book: Any = nbformat.read(path, as_version=4)
     code = [cell for cell in book.cells if cell.cell_type == "code"]
     assert all(not cell.outputs and cell.execution_count is None for cell in code), "clear the outputs"

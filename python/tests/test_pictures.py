@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures, radiographs, and what they are drawn with: lit balls, smeared particles, panels, scripts of ParaView."""
+"""Pictures and radiographs, and their parts: shaded balls, smeared particles, panels, scripts of ParaView."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def balls(places: list[tuple[float, float, float]], radius: float = 0.5) -> Any:
 
 
 def test_ball_in_front() -> None:
-    """Would catch a ball drawn over one that is nearer, rows that count upwards, and a wrong size."""
+    """Would catch a ball that hides a nearer one, rows that count upwards, and a wrong size."""
     for order in (1, -1):
         places = [(0.0, 0.0, 5.0), (0.3, 0.0, 0.0)][::order]
         depth, owner = render.splat(np.array([50.0 + 40.0 * place[0] for place in places]),
@@ -65,18 +65,20 @@ def test_ball_in_front() -> None:
 
 
 def test_shadow() -> None:
-    """Would catch light from nowhere: a ball between the light and another leaves the other as bright as it was."""
+    """Would catch a missing shadow: a ball between the light and another ball must make it darker."""
     towards = render.LIGHT * 3.0
     alone = render.Image(200, 200, (-1.0, 1.0, -1.0, 1.0), balls([(0.0, 0.0, 0.0)]))
     behind = render.Image(200, 200, (-1.0, 1.0, -1.0, 1.0), balls([(0.0, 0.0, 0.0), tuple(towards)]))
-    same = behind.drawn & (behind.depth == alone.depth)  # of the first ball, where the second does not hide it
+    # those pixels of the first ball where the second one does not hide it
+    same = behind.drawn & (behind.depth == alone.depth)
     assert same.sum() > 3000
     assert behind.colour[same].mean() < 0.88 * alone.colour[same].mean()
     assert (behind.colour[same] <= alone.colour[same] + 1e-12).all()
 
 
 def test_facet_and_line() -> None:
-    """Would catch a wall before which nothing stands, one that hides what is before it, and edges through balls."""
+    """Would catch a wall that hides the objects in front of it, one that hides nothing behind it, and edges drawn
+    through balls."""
     image = render.Image(100, 100, (-1.0, 1.0, -1.0, 1.0), balls([(0.0, 0.0, 0.0)], 0.4))
     before = image.colour.copy()
     square = np.array([[-0.9, -0.9, 0.0], [0.9, -0.9, 0.0], [0.9, 0.9, 0.0], [-0.9, 0.9, 0.0]])
@@ -89,7 +91,7 @@ def test_facet_and_line() -> None:
 
 
 def test_axis_that_points_up() -> None:
-    """Would catch mirror images: directions that are not right-handed, or another axis upwards than the chosen one."""
+    """Would catch mirror images: directions that are not right-handed, or another vertical axis than the chosen one."""
     for up in range(3):
         right, above, towards = space.basis(30.0, 0.0, up)
         assert np.cross(right, above) == pytest.approx(towards)
@@ -97,7 +99,7 @@ def test_axis_that_points_up() -> None:
 
 
 def test_smear_keeps_mass() -> None:
-    """Would catch shares that do not add up, parts beside their particle, and compact material that is smeared."""
+    """Would catch weights that do not add up, mass far from its particle, and compact material that is smeared."""
     random = np.random.default_rng(3)
     for axes in (2, 3):
         block = np.stack(np.meshgrid(*[np.arange(14.0 if axes == 2 else 8.0)] * axes), axis=-1).reshape(-1, axes)
@@ -120,19 +122,20 @@ def test_smear_keeps_mass() -> None:
 
 
 def test_smear_is_even() -> None:
-    """Would catch stripes: the areal density of a thin even cloud differs from pixel to pixel by more than a tenth."""
+    """Would catch stripes: the areal density of a thin uniform cloud must not differ by more than a tenth between
+    pixels."""
     step = np.arange(40.0) * 5.0
     places = np.stack(np.meshgrid(step, step), axis=-1).reshape(-1, 2)
     rows, offsets, share, half = smear.smeared(places, np.ones(len(places)))
     spread = places[rows] + offsets
     image = areal_density.deposit((spread[:, 0], spread[:, 1]), share, half, (-100.0, -100.0), (2.0, 2.0), (200, 200))
     assert image.sum() == pytest.approx(len(places), rel=1e-12)
-    middle = image[75:125, 75:125] * 25.0 / 4.0          # 1 where the cloud is even
+    middle = image[75:125, 75:125] * 25.0 / 4.0          # 1 where the cloud is uniform
     assert np.abs(middle - 1.0).max() < 0.1
 
 
 def test_radiograph(cube: scree.Run, run: scree.Run) -> None:
-    """Would catch mass that is lost, a mirror image that is missing, an image in other units, and axes exchanged."""
+    """Would catch mass that is lost, a missing mirror image, an image in other units, and exchanged axes."""
     for smeared in ("spacing", "volume"):
         frame = scree.radiograph(cube, pixel=0.05, smear=smeared)
         assert frame.mass == pytest.approx(2.0 * 6000.0)
@@ -149,7 +152,7 @@ def test_radiograph(cube: scree.Run, run: scree.Run) -> None:
 
 
 def test_picture_in_space(cube: scree.Run) -> None:
-    """Would catch an empty picture, a window that cuts the body off, and a camera that is not obeyed."""
+    """Would catch an empty picture, a window that truncates the body, and a camera that has no effect."""
     def seen(**options: Any) -> Any:
         figure = scree.picture(cube, "velocity.z", limits=(0.0, 2.0), dpi=40, title="", **options)
         image = np.asarray(figure.axes[0].images[0].get_array())
@@ -167,7 +170,7 @@ def test_picture_in_space(cube: scree.Run) -> None:
 
 
 def test_picture_in_a_plane(run: scree.Run) -> None:
-    """Would catch a wrong moment, the colour bar in other units, and the series of another stream."""
+    """Would catch a wrong time, a colour bar in other units, and snapshots of another output."""
     figure = scree.picture(run, "velocity.x", time=0.0)
     assert "t = 0" in figure.axes[0].get_title()
     assert "[km/s]" in figure.axes[1].get_ylabel()
@@ -175,7 +178,7 @@ def test_picture_in_a_plane(run: scree.Run) -> None:
 
 
 def test_fragment_size(cube: scree.Run) -> None:
-    """Would catch the number of a fragment for its size, and dust with the size of a fragment."""
+    """Would catch the number of a fragment used as its size, and dust with the size of a fragment."""
     snap = files.snapshot(cube.snapshots[-1].file)
     number = np.zeros(len(snap.points))
     number[:40], number[40:41] = 1, 2
@@ -193,7 +196,7 @@ def test_fragment_size(cube: scree.Run) -> None:
 
 
 def test_panel(run: scree.Run) -> None:
-    """Would catch particles of another size than their own, and a mirror image on the same side."""
+    """Would catch particles with a wrong size, and a mirror image on the same side."""
     import matplotlib.pyplot
     snap = files.snapshot(run.snapshots[0].file)
     _, axes = matplotlib.pyplot.subplots()
@@ -220,7 +223,7 @@ def constants(tree: ast.Module) -> dict[str, Any]:
 
 
 def test_script_of_paraview(cube: scree.Run, run: scree.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch a script that Python does not read, a field that the files lack, and dots in another unit.
+    """Would catch a script with a syntax error, a field that the files lack, and dots with a wrong unit.
 
     test/input/test_paraview.py lets ParaView run it."""
     monkeypatch.setattr("scree_post.commands.paraview.pvpython", list)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures: what they show, and in which units."""
+"""Figures: their content and units."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from scree.drawing.look import readable_unit
     (5e-4, "1", 1e6, "$10^{-6}$"), (3e7, "1/s", 1e-6, "$10^{6}$ 1/s"), (0.0, "J", 1.0, "J"), (7e3, "m/s", 1e-3, "km/s"),
     (1000.0, "J", 1e-3, "kJ"), (float("nan"), "Pa", 1.0, "Pa")])
 def test_readable_unit(size: float, unit: str, factor: float, shown: str) -> None:
-    """Would catch a prefix that does not belong to the factor: an axis that is off by a thousand."""
+    """Would catch a prefix that does not belong to the factor: an axis that is wrong by a factor of a thousand."""
     found = readable_unit(size, unit)
     assert found[0] == pytest.approx(factor) and found[1] == shown
 
 
 def test_history(run: scree.Run) -> None:
-    """Would catch a curve of another column, or numbers that do not fit the unit of the axis."""
+    """Would catch a curve of another column, or numbers that do not match the unit of the axis."""
     figure = plot.history(run, ["kinetic", "momentum_x"])
     upper, lower = figure.axes
     factor, unit = readable_unit(run.history["kinetic"].abs().max(), "J")
@@ -41,7 +41,7 @@ def test_history(run: scree.Run) -> None:
 
 
 def test_several_histories(run: scree.Run) -> None:
-    """Would catch runs that cannot be told apart."""
+    """Would catch curves of several runs without different labels."""
     (axes,) = plot.history([run, run], "velocity_x", table="gauge").axes
     styles = [line.get_linestyle() for line in axes.lines]
     assert len(styles) == 2 and styles[0] != styles[1]
@@ -59,7 +59,8 @@ def corners_of(squares: PolyCollection) -> np.ndarray:
 
 
 def test_field(run: scree.Run, tmp_path: Path) -> None:
-    """Would catch squares of a wrong size or place, a colour bar in other units, and half a range of colours."""
+    """Would catch squares of a wrong size or position, a colour bar in other units, and colours that cover only half of
+    the range."""
     snap = run.snapshots[-1]
     figure = plot.field(snap, "pressure")
     squares = squares_of(figure)
@@ -77,7 +78,8 @@ def test_field(run: scree.Run, tmp_path: Path) -> None:
 
 
 def test_limits(run: scree.Run) -> None:
-    """Would catch limits that are taken in the unit of the axis and not in SI, and a bar without its pointed ends."""
+    """Would catch limits in the unit of the axis instead of SI, and a colour bar without the pointed ends that mark
+    values beyond the limits."""
     snap = run.snapshots[-1]
     most = float(np.abs(snap["pressure"]).max())
     figure = plot.field(snap, "pressure", limits=(0.0, 0.5 * most))
@@ -89,7 +91,7 @@ def test_limits(run: scree.Run) -> None:
 
 
 def test_colours_differ_in_lightness() -> None:
-    """Would catch a colour map whose ends look alike to a colour-blind reader or in print."""
+    """Would catch a colour map whose ends look the same to colour-blind readers or in print."""
     def lightness(name: str) -> np.ndarray:
         colours = matplotlib.colormaps[name](np.linspace(0.0, 1.0, 64))[:, :3]
         return np.asarray(colours @ (0.2126, 0.7152, 0.0722))
@@ -98,11 +100,11 @@ def test_colours_differ_in_lightness() -> None:
     middle = lightness(plot.DIVERGING)
     assert middle[32] > 0.8 and middle[0] < 0.4 and middle[-1] < 0.4
     ends = matplotlib.colormaps[plot.DIVERGING]([0.0, 1.0])
-    assert abs(ends[0][2] - ends[1][2]) > 0.2            # blue against not blue: seen with any colour vision
+    assert abs(ends[0][2] - ends[1][2]) > 0.2            # blue and not blue: different for any kind of colour vision
 
 
 def test_vectors_and_tensors(run: scree.Run) -> None:
-    """Would catch a vector that is shown by its first component, and a tensor that is shown at all."""
+    """Would catch a vector of which only the first component is shown, and a tensor that is shown without an error."""
     snap = run.snapshots[0]
     squares = squares_of(plot.field(snap, "velocity"))
     assert np.max(np.asarray(squares.get_array())) == pytest.approx(1.0), "in km/s"
@@ -111,14 +113,14 @@ def test_vectors_and_tensors(run: scree.Run) -> None:
 
 
 def test_one_dimension(bar: scree.Run) -> None:
-    """Would catch a picture of squares where there is a line."""
+    """Would catch a picture of squares in one dimension, where a line is required."""
     figure = plot.field(bar.snapshots[-1], "pressure")
     (axes,) = figure.axes
     assert axes.get_xlabel() == "x [mm]" and axes.get_ylabel() == "pressure [GPa]"
 
 
 def test_axisymmetric(tmp_path: Path) -> None:
-    """Would catch rings drawn as if they were prisms, and a half of the plane that is missing."""
+    """Would catch rings drawn without axisymmetry, and a missing half of the plane."""
     text = """
 &run  case = 'ring'  dimension = 'axisymmetric' /
 &grid  lo = 0, 0, 0  hi = 4, 0, 4  dx = 1 /
@@ -138,14 +140,14 @@ def test_axisymmetric(tmp_path: Path) -> None:
 
 
 def test_three_dimensions(run: scree.Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch a heap of squares that hide each other."""
+    """Would catch a picture in which squares hide each other."""
     monkeypatch.setattr(scree.Snapshot, "dimension", "3d")
     with pytest.raises(ValueError, match="to_pyvista"):
         plot.field(run.snapshots[0], "pressure")
 
 
 def test_line(run: scree.Run) -> None:
-    """Would catch a curve in other units than its axis says, and fields of two units on one axis."""
+    """Would catch a curve in other units than those of its axis, and fields of different units on one axis."""
     snap, ends = run.snapshots[-1], ((2e-3, 1e-3, 2.3e-3), (10e-3, 1e-3, 2.3e-3))
     table = snap.along(*ends, ["stress_xx", "stress_zz"])
     figure, given = matplotlib.pyplot.subplots()

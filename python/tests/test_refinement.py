@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""scree.accuracy: orders, extrapolated values and costs of numbers of a deck."""
+"""scree.accuracy: orders, extrapolated values and costs of numbers from refined grids."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -16,13 +16,13 @@ SET = {"grid.dx": 0.001}
 
 
 def shock_mean(run: scree.Run) -> dict[str, float]:
-    """Mean pressure near the wall, and the number of particles as something that is exact."""
+    """Mean pressure near the wall, and the number of particles as a quantity without error."""
     near = run.snapshots[-1].along((0, 0, 0), (0.002, 0, 0), "pressure")
     return {"pressure": float(near["pressure"].mean()), "length": 0.018}
 
 
 def test_accuracy_of_measured_numbers(tmp_path: Path) -> None:
-    """Would catch grids in the wrong order, numbers of functions that are lost, and cells in other units than SI."""
+    """Would catch grids in a wrong order, numbers of functions that are lost, and cell sizes that are not in SI."""
     found = scree.accuracy(LINE, shock_mean, factors=(2, 1, 0.5), set=SET, outdir=tmp_path, progress=False)
     assert found.table["cell_size"].tolist() == pytest.approx([0.002, 0.001, 0.0005])
     assert found.table["particles"].tolist() == [18, 36, 72]
@@ -34,7 +34,7 @@ def test_accuracy_of_measured_numbers(tmp_path: Path) -> None:
 
 
 def test_failures_are_errors_of_the_package(tmp_path: Path) -> None:
-    """Would catch a wrong deck that is run, and another class of error than scree.run raises."""
+    """Would catch an invalid deck that is run, and an exception of another class than that of scree.run."""
     with pytest.raises(scree.DeckError, match="the deck is not accepted"):
         scree.accuracy(LINE, shock_mean, factors=(2, 1, 0.5), set={"grid.dxx": 1}, outdir=tmp_path, progress=False)
     with pytest.raises(scree.DeckError, match="name three of these"):
@@ -45,7 +45,7 @@ def test_failures_are_errors_of_the_package(tmp_path: Path) -> None:
 @pytest.mark.parametrize("order", [0.7, 1.0, 2.0, 2.4])
 @pytest.mark.parametrize("sizes", [(2.0, 1.4, 1.0), (4.0, 2.0, 1.0), (3.0, 2.7, 0.9)])
 def test_power_laws(order: float, sizes: tuple[float, float, float]) -> None:
-    """Would catch a wrong order, extrapolation or forecast."""
+    """Would catch a wrong order, extrapolated value or cost estimate."""
     verdict = judge(sizes, [5.0 - 0.3 * size ** order for size in sizes])
     assert verdict.order == pytest.approx(order, abs=1e-9) and verdict.limit == pytest.approx(5.0, abs=1e-9)
     seconds = [7.0 * size ** -3.0 for size in sizes]
@@ -61,7 +61,7 @@ def test_power_laws(order: float, sizes: tuple[float, float, float]) -> None:
     ("mm-us-mg", "lo = 0 0 0  hi = 2 cm, 0.1 cm, 0.2 cm  dx = 1e3 um  ! 3 m", 1.0, "mm"),
     ("mm-us-mg", "lo = 0, 0, 0  hi = 20 1 2  dx = 1d0", 1.0, "mm")])
 def test_units_behind_numbers(tmp_path: Path, system: str, grid: str, spacing: float, unit: str) -> None:
-    """Would catch cells of a deck with units behind numbers that are off by a power of ten, or that are not read."""
+    """Would catch cell sizes that are wrong by a power of ten, or not found, in a deck with units after its numbers."""
     deck = tmp_path / "deck.nml"
     deck.write_text(f"""&run dimension = '1d'  title = 'a bar of 2 m' /
 &units system = '{system}' /
@@ -75,7 +75,7 @@ def test_units_behind_numbers(tmp_path: Path, system: str, grid: str, spacing: f
 
 
 def test_cost_needs_an_order() -> None:
-    """Would catch a forecast from values that oscillate."""
+    """Would catch a cost estimate from values that oscillate."""
     verdict = judge((2.0, 1.4, 1.0), (1.0, 1.2, 1.1))
     assert forecast((2.0, 1.4, 1.0), (1.0, 2.0, 4.0), verdict, 1e-3, 3) is None
     assert np.isnan(verdict.order)

@@ -13,7 +13,7 @@ import scree
 
 
 def test_ways_to_open(run: scree.Run) -> None:
-    """Would catch a way to name results that finds no case, another case, or the wrong series."""
+    """Would catch a way to name results that finds no case, a wrong case, or a wrong output."""
     for place in (run.folder, str(run.folder), run.folder / "tiny", run.folder / "tiny_p.hdf.series",
                   run.folder / "tiny_p.vtkhdf"):
         found = scree.open(place)
@@ -25,7 +25,7 @@ def test_ways_to_open(run: scree.Run) -> None:
 
 
 def test_what_cannot_be_opened(run: scree.Run, tmp_path: Path) -> None:
-    """Would catch a trace of Python in place of a sentence that says what is there."""
+    """Would catch a Python traceback in place of a message that lists the existing results."""
     with pytest.raises(scree.FileProblem, match="holds no results"):
         scree.open(tmp_path)
     with pytest.raises(scree.FileProblem, match="did you mean 'tiny'"):
@@ -49,7 +49,7 @@ def test_what_cannot_be_opened(run: scree.Run, tmp_path: Path) -> None:
 
 
 def test_run_without_end(run: scree.Run, tmp_path: Path) -> None:
-    """Would catch results that cannot be read while the program still runs: there is no summary yet."""
+    """Would catch an error on reading results of a program that is still running: there is no summary yet."""
     for ending in ("_history.csv", "_gauge.csv", ".echo.nml"):
         shutil.copy(run.path(ending), tmp_path)
     found = scree.open(tmp_path)
@@ -59,7 +59,7 @@ def test_run_without_end(run: scree.Run, tmp_path: Path) -> None:
 
 
 def test_history_is_in_si(run: scree.Run) -> None:
-    """Would catch columns that keep the units of the files: those are mm, us and mg, the summary is in SI."""
+    """Would catch columns in the units of the files, which are mm, us and mg; the summary is in SI."""
     end = run.summary["ledger"]["end"]
     last = run.history.iloc[-1]
     for name in ("kinetic", "total", "momentum_x", "mass"):
@@ -71,7 +71,7 @@ def test_history_is_in_si(run: scree.Run) -> None:
 
 
 def test_tables(run: scree.Run) -> None:
-    """Would catch a table that is not listed, has the name of another one, or is in other units than it says."""
+    """Would catch a table that is not listed, has the name of another one, or is not in the given unit."""
     assert set(run.tables) == {"history", "gauge", "forces", "fragments"}
     assert len(run.tables) == 4 and "gauge" in run.tables and "nothing" not in run.tables
     gauge = run.tables["gauge"]
@@ -86,21 +86,21 @@ def test_tables(run: scree.Run) -> None:
 
 
 def test_no_fragments(bar: scree.Run) -> None:
-    """Would catch an error where a run wrote no such table, and a history that is made up."""
+    """Would catch an error where a run wrote no such table, and a history that does not exist in the results."""
     assert bar.fragments is None
     with pytest.raises(scree.FileProblem, match="kind = 'history'"):
         _ = bar.history
 
 
 def test_deck(run: scree.Run) -> None:
-    """Would catch a deck without defaults, without the repeated groups, or in the units of its author."""
+    """Would catch a deck without defaults, without the repeated groups, or in the units of the input."""
     assert run.deck["grid"]["dx"] == pytest.approx(1e-3)
     assert [body["name"] for body in run.deck["body"]] == ["left", "right"]
     assert run.deck["time"]["cfl"] > 0.0
 
 
 def test_log(run: scree.Run, bar: scree.Run) -> None:
-    """Would catch warnings that are lost, and lines of the log that are taken for warnings."""
+    """Would catch warnings that are lost, and other lines of the log that count as warnings."""
     assert run.exit_code == 0 and "ended" in run.log
     assert all(warning in run.log for warning in run.warnings)
     assert len(run.warnings) == run.log.count("\nwarning: ") + run.log.startswith("warning: ")

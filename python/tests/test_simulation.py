@@ -27,7 +27,7 @@ except scree.FileProblem as error:
     pytest.skip(str(error), allow_module_level=True)
 
 ALL_OBJECTS = 0x1F       # H5F_OBJ_ALL: files, data sets, groups, types and attributes
-# A block that flies, is pressed by a load, or meets walls that move.
+# A block that flies, is compressed by a load, or hits walls that move.
 BLOCK = """
 &run       case = 'block'  dimension = '1d' /
 &grid      lo = 0, 0, 0  hi = 1, 0.01, 0.01  dx = 0.01 /
@@ -39,13 +39,13 @@ BLOCK = """
 
 
 def simulate(folder: Path, deck: str = BLOCK, **options: Any) -> scree.Simulation:
-    """A simulation in a folder."""
+    """Start a simulation in a folder."""
     return scree.Simulation(deck, outdir=folder, **options)
 
 
 def test_the_same_bits_as_the_program(run: scree.Run, tmp_path: Path) -> None:
-    """Would catch a run loop of its own, files that are missing, steps that depend on how they are called, and results
-    that depend on where particles are in memory, which reading fields changes."""
+    """Would catch a run loop that differs from that of the program, missing files, steps that depend on the way they
+    are requested, and results that depend on the position of particles in memory, which reading fields changes."""
     once = simulate(tmp_path / "once", DECK)
     assert once.run() == run.summary["steps"] and once.finished and once.time == once.end_time
     single = simulate(tmp_path / "single", DECK)
@@ -65,7 +65,7 @@ def test_the_same_bits_as_the_program(run: scree.Run, tmp_path: Path) -> None:
 
 
 def test_two_at_the_same_time(run: scree.Run, tmp_path: Path) -> None:
-    """Would catch state in module variables: one simulation would change the other."""
+    """Would catch state in module variables, with which one simulation would change another."""
     fine = scree.run(DECK, {"grid.dx": 0.5}, outdir=tmp_path / "program", progress=False)
     with simulate(tmp_path / "one", DECK) as one, simulate(tmp_path / "two", DECK, set={"grid.dx": 0.5}) as two:
         while one.step() + two.step(3):
@@ -75,8 +75,8 @@ def test_two_at_the_same_time(run: scree.Run, tmp_path: Path) -> None:
 
 
 def test_many_in_a_row(tmp_path: Path) -> None:
-    """Would catch files, communicators, and objects of HDF5 that a simulation keeps: open files and objects are as many
-    as before, and a communicator is left for the last one."""
+    """Would catch files, communicators and HDF5 objects that a simulation does not release: afterwards there are as
+    many open files and objects as before, and one more simulation can create its communicator."""
     with simulate(tmp_path / "first") as sim:
         sim.step()
     open_files = len(os.listdir("/proc/self/fd"))
@@ -87,7 +87,7 @@ def test_many_in_a_row(tmp_path: Path) -> None:
         sim = simulate(tmp_path / str(number % 3), overwrite=True)
         sim.step()
         if number % 2:
-            sim.close()                                  # without a summary
+            sim.close()                                  # ends without a summary
         else:
             sim.finish()
     assert len(os.listdir("/proc/self/fd")) == open_files
@@ -95,7 +95,7 @@ def test_many_in_a_row(tmp_path: Path) -> None:
 
 
 def test_fields_are_memory(tmp_path: Path) -> None:
-    """Would catch copies, columns in another order, and fields that must not be written and can be."""
+    """Would catch copies instead of views, columns in a wrong order, and read-only fields that can be changed."""
     with simulate(tmp_path) as sim:
         fields = sim.fields
         assert fields.material == "rubber" and fields.units["stress"] == "Pa" and len(fields) == len(list(fields))
@@ -119,7 +119,7 @@ def test_fields_are_memory(tmp_path: Path) -> None:
 
 
 def test_stale_views(tmp_path: Path) -> None:
-    """Would catch a view that is used when its memory has other content or is gone."""
+    """Would catch a view that is used after its memory was released or has another content."""
     sim = simulate(tmp_path)
     view = sim.fields["velocity"]
     column, chosen, copy = view[:, 0], view[view[:, 0] > 0.0], view.copy()
@@ -127,7 +127,7 @@ def test_stale_views(tmp_path: Path) -> None:
     assert isinstance(column, FieldView) and not isinstance(chosen, FieldView) and not isinstance(result, FieldView)
     assert np.concatenate([view, view]).shape == (80, 3) and "FieldView" in repr(view)
     sim.write_output()
-    assert view[0, 0] == 1.0                             # output moves nothing
+    assert view[0, 0] == 1.0                             # output does not move particles in memory
     sim.step()
     uses: list[Any] = [
         lambda: view[0], lambda: column[0], lambda: view.sum(), lambda: column * 2.0, lambda: np.sin(view),
@@ -147,7 +147,8 @@ def test_stale_views(tmp_path: Path) -> None:
 
 
 def test_law_of_a_script(tmp_path: Path) -> None:
-    """Would catch changes that a step does not see: velocities that decay, against the closed form."""
+    """Would catch changes that have no effect on the next step: velocities that decay, compared with the closed
+    form."""
     with simulate(tmp_path) as sim:
         while sim.step():
             sim.fields["velocity"] *= np.exp(-100.0 * sim.dt)
@@ -155,7 +156,7 @@ def test_law_of_a_script(tmp_path: Path) -> None:
 
 
 def test_gravity_is_steered(tmp_path: Path) -> None:
-    """Would catch a change that is lost, and one that acts on a direction that the scene lacks."""
+    """Would catch a change without an effect, and one along a direction that the scene does not have."""
     with simulate(tmp_path, set={"effects.gravity": True, "effects.gravity_vector": (0, 0, 0)}) as sim:
         assert list(sim.controls) == ["gravity"] and list(sim.controls["gravity"]) == [0, 0, 0]
         sim.run(until=0.01)
@@ -168,25 +169,27 @@ def test_gravity_is_steered(tmp_path: Path) -> None:
 
 
 def test_walls_are_steered(tmp_path: Path) -> None:
-    """Would catch a rigid region whose place jumps with its velocity: it pushes the block from where it is."""
+    """Would catch a rigid region whose position jumps together with its velocity: it must push the block from its
+    present position."""
     piston = BLOCK + "&region name = 'piston'  shape = 'box'  lo = -1, -1, -1  hi = 0.36, 1, 1 /\n" \
         "&boundary region = 'piston'  type = 'velocity'  velocity = 1, 0, 0 /\n"
     with simulate(tmp_path, piston, set={"time.t_end": 0.04}) as sim:
         assert list(sim.controls) == ["piston"] and list(sim.controls["piston"]) == [1.0, 0.0, 0.0]
         sim.run(until=0.02)
         sim.controls["piston"] = 8.0, 0, 0
-        assert sim.controls["piston"][0] == 1.0          # the change begins now
+        assert sim.controls["piston"][0] == 1.0          # the change takes effect from this time on
         sim.step()
         assert sim.controls["piston"][0] == pytest.approx(8.0)
         left = sim.fields["position"][:, 0].min()
-        assert left == pytest.approx(0.4025 + sim.time, abs=1e-4)  # not reached yet: it flies as before
+        assert left == pytest.approx(0.4025 + sim.time, abs=1e-4)  # no contact yet: the block moves as before
         sim.run()
-        reached = 0.36 + 0.02 + 8.0 * 0.02               # 0.68 if all its way were at 8 m/s
+        reached = 0.36 + 0.02 + 8.0 * 0.02               # it would be 0.68 if the whole displacement were at 8 m/s
         assert reached - 0.01 < sim.fields["position"][:, 0].min() < reached + 0.05
 
 
 def test_loads_are_steered(tmp_path: Path) -> None:
-    """Would catch a factor that does not reach the load: a pressure on the whole block stays, is doubled, or ends."""
+    """Would catch a factor without an effect on the load: the pressure on the whole block must be constant, doubled, or
+    zero."""
     pressed = BLOCK + "&load  pressure = 1e3 /\n"
     stress = {}
     for factor in (0.0, 1.0, 2.0):
@@ -202,7 +205,7 @@ def test_loads_are_steered(tmp_path: Path) -> None:
 
 
 def test_wrong_controls(tmp_path: Path) -> None:
-    """Would catch a control that is not there, or a value of another shape or without a size, that is taken."""
+    """Would catch an unknown control, or a value of a wrong shape or a value that is not finite, that is accepted."""
     with simulate(tmp_path, set={"effects.gravity": True}) as sim:
         with pytest.raises(KeyError, match="did you mean 'gravity'"):
             sim.controls["gravty"] = 0, 0, 0
@@ -213,7 +216,7 @@ def test_wrong_controls(tmp_path: Path) -> None:
 
 
 def test_several_stores(tmp_path: Path) -> None:
-    """Would catch materials that are mixed up, and fields of one that pass for those of all."""
+    """Would catch materials that are confused, and fields of one material that are returned for all."""
     deck = DECK.replace("&region  name = 'left'", "&material  name = 'iron'  density = 7.8  bulk = 160  shear = 80 /\n"
                         "&region  name = 'left'").replace("'right'  material = 'copper'", "'right'  material = 'iron'")
     with simulate(tmp_path, deck) as sim:
@@ -225,7 +228,7 @@ def test_several_stores(tmp_path: Path) -> None:
 
 
 def test_errors_by_exit_code(deck: Path, run: scree.Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    """Would catch an error that ends the process, prints, or leaves a simulation half open."""
+    """Would catch an error that ends the process, prints text, or leaves a simulation half initialised."""
     for options in ({"set": {"grid.dy": 1}}, {"options": ["--check"]}, {"options": ["--colour"]}):
         with pytest.raises(scree.DeckError) as wrong:
             scree.Simulation(deck, outdir=tmp_path / "never", **options)
@@ -245,11 +248,11 @@ def test_errors_by_exit_code(deck: Path, run: scree.Run, tmp_path: Path, capfd: 
         sim.finish()
     summary = scree.open(tmp_path / "broken").summary
     assert summary["exit_code"] == 4 and summary["steps"] >= 1
-    assert capfd.readouterr() == ("", "")                # nor are there warnings on the screen
+    assert capfd.readouterr() == ("", "")                # no warnings on the screen either
 
 
 def test_screen(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    """Would catch output that nobody wants, and none where it is wanted."""
+    """Would catch output that was not requested, and missing output that was."""
     simulate(tmp_path / "quiet").finish()
     assert capfd.readouterr() == ("", "")
     simulate(tmp_path / "loud", quiet=False).finish()
@@ -257,7 +260,7 @@ def test_screen(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
 
 
 def test_end_before_the_end(tmp_path: Path) -> None:
-    """Would catch a run without a summary, or with one after an exception."""
+    """Would catch a run without a summary, or one with a summary after an exception."""
     with simulate(tmp_path / "cut") as sim:
         sim.step(5)
     cut = sim.finish()
@@ -269,7 +272,7 @@ def test_end_before_the_end(tmp_path: Path) -> None:
 
 
 def test_output_and_checkpoints(bar: scree.Run, tmp_path: Path) -> None:
-    """Would catch requested files that are missing, and a checkpoint that gives another end."""
+    """Would catch requested files that are missing, and a checkpoint from which a run ends differently."""
     sim = simulate(tmp_path, LINE)
     sim.step(10)
     sim.write_output()
@@ -284,7 +287,7 @@ def test_output_and_checkpoints(bar: scree.Run, tmp_path: Path) -> None:
 
 
 def test_limits_of_the_deck(tmp_path: Path) -> None:
-    """Would catch a run that is stopped with a checkpoint and passes for a complete one."""
+    """Would catch a run that is stopped with a checkpoint and counts as complete."""
     sim = simulate(tmp_path, set={"time.wall_limit": "00:00:01"})
     time.sleep(1.1)
     assert sim.run() < 5 and sim.finished
@@ -294,7 +297,7 @@ def test_limits_of_the_deck(tmp_path: Path) -> None:
 
 
 def test_library_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch a library that is taken from another tree than the program, and an error without advice."""
+    """Would catch a library of another installation than that of the program, and an error without advice."""
     found = Path(library.find_library())
     assert found.parents[1] == Path(scree.find_program()).resolve().parents[1]
     monkeypatch.setenv("SCREE_LIBRARY", str(tmp_path / "none.so"))
@@ -323,7 +326,7 @@ assert mine.allreduce(sim.count) == 72 and sim.ranks == mine.size
 @pytest.mark.skipif(not importlib.util.find_spec("mpi4py"), reason="mpi4py is not installed")
 @pytest.mark.parametrize("group", ["world", "self"])
 def test_ranks_of_mpi4py(group: str, run: scree.Run, deck: Path, tmp_path: Path) -> None:
-    """Would catch a communicator that is not used or not copied, and bits that depend on the ranks."""
+    """Would catch a communicator that is not used or not copied, and bits that depend on the number of ranks."""
     mpiexec = shutil.which("mpiexec")
     assert mpiexec
     script = tmp_path / "script.py"

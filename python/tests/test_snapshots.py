@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Snapshots: fields, lines, and what other packages make of them."""
+"""Snapshots: fields, lines, and conversions to the data types of other packages."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scree import files, units
 
 
 def test_series(run: scree.Run) -> None:
-    """Would catch snapshots in the wrong order, times of other units, and a neighbour that is not the nearest."""
+    """Would catch snapshots in a wrong order, times in other units, and a selected snapshot that is not the nearest."""
     snapshots = run.snapshots
     assert snapshots.times[0] == 0.0 and snapshots.times[-1] == pytest.approx(1e-6)
     assert [snap.time for snap in snapshots] == pytest.approx(list(snapshots.times))
@@ -23,7 +23,7 @@ def test_series(run: scree.Run) -> None:
 
 
 def test_fields(run: scree.Run) -> None:
-    """Would catch fields in the units of the file, components in another order, and bodies that are mixed up."""
+    """Would catch fields in the units of the file, components in a wrong order, and bodies that are confused."""
     first, last = run.snapshots[0], run.snapshots[-1]
     assert (last["mass"] @ last["velocity"])[0] == pytest.approx(run.history["momentum_x"].iloc[-1], rel=1e-3)
     assert np.array_equal(last["stress_xz"], last["stress"][:, 5])
@@ -40,7 +40,7 @@ def test_fields(run: scree.Run) -> None:
 
 
 def test_lazy(run: scree.Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch a snapshot that reads the whole file to show one field, or a field twice."""
+    """Would catch a snapshot that reads the whole file to return one field, or reads a field twice."""
     read: list[str] = []
     whole = units.data_si
 
@@ -65,7 +65,7 @@ def test_same_as_whole_reader(run: scree.Run) -> None:
 
 
 def test_unknown_field(run: scree.Run) -> None:
-    """Would catch an error that does not say what there is."""
+    """Would catch an error message without the list of existing fields."""
     with pytest.raises(KeyError, match="did you mean 'velocity'"):
         _ = run.snapshots[0]["velocty"]
     with pytest.raises(KeyError, match="no body 'lift'; did you mean 'left'"):
@@ -73,7 +73,7 @@ def test_unknown_field(run: scree.Run) -> None:
 
 
 def test_damaged_file(run: scree.Run, tmp_path: Path) -> None:
-    """Would catch a trace of h5py for a file that is cut short."""
+    """Would catch a traceback of h5py for a truncated file."""
     path = tmp_path / "cut.hdf"
     path.write_bytes(Path(run.snapshots[0].file).read_bytes()[:3000])
     with pytest.raises(scree.FileProblem, match=r"cut\.hdf"):
@@ -112,7 +112,7 @@ def test_pyvista(run: scree.Run) -> None:
 
 
 def test_missing_package(run: scree.Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch a trace that does not say what to install."""
+    """Would catch a traceback without advice which package to install."""
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(ImportError, match="pip install xarray"):
         run.snapshots[0].to_xarray()
@@ -121,7 +121,7 @@ def test_missing_package(run: scree.Run, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_along(run: scree.Run) -> None:
-    """Would catch particles beside the line, beyond its ends, or in the wrong order: compared with a search by hand."""
+    """Would catch particles beside the line, beyond its ends, or in a wrong order: compared with an explicit search."""
     snap = run.snapshots[-1]
     start, end = (3e-3, 1e-3, 3.8e-3), (8e-3, 1e-3, 1.2e-3)
     table = snap.along(start, end, ["pressure", "velocity"], width=0.4e-3)
@@ -145,7 +145,7 @@ def test_along(run: scree.Run) -> None:
 
 
 def test_along_in_one_dimension(bar: scree.Run) -> None:
-    """Would catch a line in one dimension that needs the right y and z."""
+    """Would catch a line in one dimension that requires correct values of y and z."""
     snap = bar.snapshots[-1]
     table = snap.along((0, 0, 0), (0.02, 0, 0), "velocity_x")
     assert len(table) == len(snap) == 36 and np.all(np.diff(table["distance"]) > 0.0)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Decks for the page of messages, where the first row of the tables of test/input is not the best example.
 
-DECKS: code: (deck, old text, wrong text, right text). The deck is one of broken_values.py by its name, or
-a text of its own; a right text of None is the old one. Both are run: the wrong one must bring the message, the right
-one neither error nor warning. FILES: code: files beside both decks.
+DECKS: code: (deck, old text, wrong text, right text). The deck is the name of one in broken_values.py, or a text of its
+own; if the right text is None, the old text is the right one. Both decks are run: the wrong one must produce the
+message, the right one neither an error nor a warning. FILES: code: files in the folder of both decks.
 """
 
 BAR = """&run dimension = 'plane_strain' /
@@ -23,7 +23,7 @@ TOUCHING = CONTACT + """&region name = 'low'   shape = 'box'  lo = 0 0 0    hi =
 &body name = 'high'  region = 'high'  material = 'metal'  field = 2 /
 &contact bodies = 'low' 'high'  friction = 0.3 /
 """
-# Nine balls, each with a field of its own.
+# Nine balls, each with a velocity field of its own.
 NINE = (BAR.replace("dx = 0.1", "dx = 0.05") + "&effects contact = .true. /\n" + METAL + "".join(
     f"&region name = '{k}'  shape = 'box'  lo = 0.{k} 0 0.{k}  hi = 0.{k + 1} 1 0.{k + 1} /\n"
     f"&body name = '{k}'  region = '{k}'  material = 'metal'  field = {k} /\n" for k in range(1, 9)) +
@@ -92,7 +92,7 @@ VORTEX = (BAR + METAL.replace("0.3 /", "0.3  strength_model = 'neo_hookean' /") 
 
 
 def facets(corners, triangles):
-    """A text file of facets."""
+    """Text of a file with facets."""
     lines = ["solid stone"]
     for triangle in triangles:
         lines += ["facet normal 0 0 0", "outer loop"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Commands for the page of messages that no wrong deck alone brings: options, files, and runs that end early.
+"""Commands for the page of messages that no wrong deck produces by itself: options, files, and runs that end early.
 
 SITUATIONS: code: a dictionary of
   files      by name, written before; "scene.nml" is the deck

@@ -14,11 +14,11 @@ SKIPPED = re.compile(
     r"pure|elemental|impure|recursive|subroutine|function|module|program|block|associate|select|case|nullify|"
     r"allocate|deallocate|write|print|open|close|inquire|rewind|flush|read ?\(|character|integer|real|logical|"
     r"complex|format|continue|critical)\b", re.I)
-#: Declarations, descriptions of keys, measured times, and texts of messages.
+# : Statements that are not changed: declarations, descriptions of keys, measured times, and texts of messages.
 SILENT = re.compile(
     r"::|schema%|timer|cost\b|record_cost|progress|capacity|reserve|%complain|%line\(|log%|message|unit_of|"
     r"wall_time|width|write_|hint|text_of", re.I)
-#: From here on a statement only makes the text of a message.
+# : The statements from here on only compose the text of a message.
 MESSAGE = re.compile(r"\bcall (fail\w*|\w*%?error|\w*%complain|command_line_error|agree|\w*report\w*)\b", re.I)
 #: Files that only write texts or measure times.
 SILENT_FILES = re.compile(
@@ -34,11 +34,11 @@ BEFORE, AFTER = r"(?<=[\w)\]])", r"(?=[\w(.])"
 class Mutant:
     """One change of one line."""
     file: str                   # relative to the root of the project
-    line: int                   # number of the line, from 1
-    before: str                 # the line as it is, without its end
+    line: int                   # line number, from 1
+    before: str                 # the original line without its end
     after: str                  # the changed line
     kind: str = "by hand"
-    hints: Tuple[str, ...] = ()  # tests that are tried first after the unit tests
+    hints: Tuple[str, ...] = ()  # tests that run first after the unit tests
 
     @property
     def layer(self) -> str:
@@ -57,7 +57,8 @@ class Mutant:
 
 
 def masked(line: str, quote: str = "") -> Tuple[str, str]:
-    """A line of the same length with blanks for texts and comments, and the quote that is open at its end."""
+    """The line with blanks in place of strings and comments, of the same length, and the quotation mark that is still
+    open at its end."""
     result = []
     for position, letter in enumerate(line):
         if quote:
@@ -77,7 +78,7 @@ def masked(line: str, quote: str = "") -> Tuple[str, str]:
 
 
 def body_lines(path: Path) -> Iterator[Tuple[int, str, str]]:
-    """(number, line, masked line) of the statements in procedures whose change can change a result."""
+    """(number, line, masked line) of those statements in procedures whose change can change a result."""
     inside, quote = False, ""
     statement: List[Tuple[int, str, str]] = []
     for number, line in enumerate(path.read_text(encoding="utf-8").split("\n"), 1):
@@ -102,7 +103,7 @@ def body_lines(path: Path) -> Iterator[Tuple[int, str, str]]:
 
 
 def real_change(text: str) -> str:
-    """Another real constant."""
+    """A real constant that differs from the given one."""
     value = float(text[:-3])
     if value == 0.0:
         return "1.0_wp"
@@ -136,7 +137,7 @@ def changes(code: str) -> Iterator[Tuple[int, int, str, str]]:
 
 
 def candidates(root: Path, file: Path) -> List[List[Mutant]]:
-    """All changes of a file, those of a line together."""
+    """All changes of a file, grouped by line."""
     found = []
     for number, line, text in body_lines(file):
         here = [Mutant(str(file.relative_to(root)), number, line, line[:begin] + new + line[end:], kind)
@@ -147,14 +148,15 @@ def candidates(root: Path, file: Path) -> List[List[Mutant]]:
 
 
 def choose(root: Path, count: int, least: int, seed: int) -> List[Mutant]:
-    """At least `count` mutants: to each folder of src/ a number in proportion to its lines that can be changed, and
-    not less than `least`. The same sources and the same seed give the same list."""
+    """At least `count` mutants. Each folder of src/ gets a number in proportion to its lines that can be changed, and
+    at least `least`. The same sources and the same seed give the same list."""
     lines: Dict[str, List[List[Mutant]]] = defaultdict(list)
     loops = random.Random(f"{seed}:loops")
     for file in sorted((root / "src").rglob("*.f90")):
         name = file.relative_to(root).as_posix()
         if not SILENT_FILES.search(name):
-            # A third of the heads of loops: all change the first index alone, and would be a fifth of all places.
+            # Of the changes of loop heads only a third is used: all change the lower bound, and they would be a fifth
+            # of all changes.
             lines[name.split("/")[1]] += [here for here in candidates(root, file)
                                           if not here[0].before.lstrip().startswith("do ") or loops.random() < 0.33]
     total = sum(len(found) for found in lines.values())
@@ -163,7 +165,7 @@ def choose(root: Path, count: int, least: int, seed: int) -> List[Mutant]:
         draw = random.Random(f"{seed}:{layer}")
         number = min(len(found), max(least, -(-count * len(found) // total)))
         chosen += [draw.choice(here) for here in draw.sample(found, number)]
-    # The order is that of no folder, so that a run that was interrupted has seen all of them.
+    # The order is independent of the folders, so that an interrupted run has tried mutants of all folders.
     random.Random(seed).shuffle(chosen)
     return chosen
 
@@ -192,7 +194,7 @@ def procedure(lines: Sequence[str], name: str) -> Tuple[int, int]:
 
 
 def located(root: Path, where: str, fields: Dict[str, str]) -> Mutant:
-    """The mutant of one block; its line must be in the file, or in the procedure, exactly once."""
+    """The mutant of one block; the line before the change must occur exactly once in the file, or in the procedure."""
     missing = [key for key in ("file:", "-", "+") if key not in fields]
     if missing:
         raise ValueError(f"{where}: the block has no line '{missing[0]}'")

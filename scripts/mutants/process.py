@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run commands that may hang, with limits on processor time, wall time and memory."""
+"""Run commands that may not terminate, with limits on processor time, wall time and memory."""
 
 import os
 import resource
@@ -11,23 +11,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, List, Sequence
 
-WALL = 900.0                    # seconds; processor time is the limit that counts, because machines are shared
-MEMORY = 12 * 1024 ** 3         # bytes of addresses of one process
-FILE = 2 * 1024 ** 3            # bytes of one file
-KEPT = 20000                    # bytes of the output that are kept
+# wall time limit [s]; it is long because machines are shared, the processor time limit ends runs earlier
+WALL = 900.0
+MEMORY = 12 * 1024 ** 3         # address space of one process [bytes]
+FILE = 2 * 1024 ** 3            # size of one file [bytes]
+KEPT = 20000                    # part of the output that is stored [bytes]
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended."""
+    """Result of a command: exit code, output, and whether a limit ended it."""
     code: int
     seconds: float
     output: str
-    late: bool                  # it was stopped by a limit of time
+    late: bool                  # a time limit ended the command
 
 
 def descendants(process: int) -> List[int]:
-    """Numbers of the processes that a process started, directly or not."""
+    """Identifiers of all child processes of a process, direct and indirect."""
     parents: Dict[int, int] = {}
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
@@ -43,7 +44,7 @@ def descendants(process: int) -> List[int]:
 
 
 def stop(process: "subprocess.Popen[bytes]") -> None:
-    """End a process and all that it started; mpiexec gives each rank a process group of its own."""
+    """End a process and all its child processes; mpiexec puts each rank into a process group of its own."""
     family = [process.pid, *descendants(process.pid)]
     process.terminate()
     try:
@@ -59,7 +60,7 @@ def stop(process: "subprocess.Popen[bytes]") -> None:
 
 
 def run(command: Sequence[str], folder: Path, environment: Dict[str, str], cpu: float) -> Ended:
-    """Run a command; each of its processes gets at most `cpu` seconds of processor time."""
+    """Run a command. Each of its processes gets at most `cpu` seconds of processor time."""
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (int(cpu) + 1, int(cpu) + 3))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))

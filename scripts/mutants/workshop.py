@@ -23,25 +23,25 @@ from mutants.places import Mutant
 from mutants.process import Ended, run
 
 PROGRAMS = ("scree", "fuzz_decks", "libscree.so")
-#: The copy is compiled in half the time with this level, and its tests pass.
+# : Optimisation level that halves the compilation time of the copy; all tests pass with it.
 LEVEL = ("-O3 -fno-trapping-math", "-O1 -fno-trapping-math")
-#: Tests of these labels never show a wrong result of the program.
+# : Labels of tests that cannot detect a wrong result of the program.
 LEFT_OUT = {"gate", "bench"}
 
 
 @dataclass(frozen=True)
 class Test:
-    """One test as CTest lists it."""
+    """One test in the list of CTest."""
     name: str
     command: Tuple[str, ...]
     labels: FrozenSet[str]
-    cost: float                 # recorded seconds
+    cost: float                 # recorded duration [s]
     folder: str
     environment: Tuple[str, ...]
 
     @property
     def is_unit(self) -> bool:
-        """It is one program, made of one file of test/unit."""
+        """True for a unit test: one program, made of one file of test/unit."""
         return "unit" in self.labels
 
 
@@ -52,9 +52,9 @@ class Workshop:
         self.root, self.folder, self.jobs = root, folder, jobs
         self.source, self.build, self.cover = folder / "source", folder / "build", folder / "cover"
         self.scratch = Path(tempfile.mkdtemp(prefix="mutant"))
-        self.compilations: Dict[str, List[str]] = {}    # by the object
-        self.objects: Dict[str, str] = {}               # by the file, relative to the root
-        self.links: Dict[str, List[str]] = {}           # by the program
+        self.compilations: Dict[str, List[str]] = {}    # by object
+        self.objects: Dict[str, str] = {}               # by source file, relative to the root
+        self.links: Dict[str, List[str]] = {}           # by program
         self.libraries: Dict[str, List[str]] = {}       # objects by library
         self.tests: Dict[str, Test] = {}
 
@@ -63,7 +63,7 @@ class Workshop:
         shutil.rmtree(self.scratch, ignore_errors=True)
 
     def copy(self) -> None:
-        """Bring the copy to the state of the user's files; files that are equal keep their time."""
+        """Update the copy from the user's files; files with equal content keep their modification time."""
         answer = subprocess.run(["git", "ls-files", "-coz", "--exclude-standard"], cwd=self.root, check=True,
                                 capture_output=True, text=True)
         names = {name for name in answer.stdout.split("\0") if name and (self.root / name).is_file()}
@@ -80,7 +80,7 @@ class Workshop:
                 path.unlink()
 
     def make(self) -> None:
-        """Configure once, and build all that changed."""
+        """Configure on the first call, and build all changed files."""
         self.build.mkdir(parents=True, exist_ok=True)
         venv = self.root / "build/venv"
         if venv.is_dir() and not (self.build / "venv").exists():
@@ -119,7 +119,7 @@ class Workshop:
                     values.get("WORKING_DIRECTORY", str(self.build)), tuple(values.get("ENVIRONMENT", ())))
 
     def compile(self, mutant: Mutant, text: str) -> Tuple[Optional[Path], str]:
-        """The object of a file with this text, or the errors of the compiler."""
+        """Compile a source file with this text. Returns the object, or the error messages of the compiler."""
         words = list(self.compilations[self.objects[mutant.file]])
         changed, made = self.scratch / Path(mutant.file).name, self.scratch / "changed.o"
         changed.write_text(text, encoding="utf-8")
@@ -169,7 +169,7 @@ class Workshop:
             shutil.rmtree(work, ignore_errors=True)
 
     def make_coverage(self) -> None:
-        """Compile all that is older than its source once more, so that it counts the lines that are executed."""
+        """Compile all files whose object is older than the source again, with counters of executed lines."""
         (self.cover / "modules").mkdir(parents=True, exist_ok=True)
         old = []
         for library, objects in self.libraries.items():
@@ -185,13 +185,13 @@ class Workshop:
                 subprocess.run(["ar", "rcs", made, *(self.cover / one for one in objects)], check=True)
 
     def is_old(self, made: str) -> bool:
-        """The object that counts lines is older than its source."""
+        """True if the object with counters is older than its source."""
         words = self.compilations[made]
         source, there = Path(words[words.index("-c") + 1]), self.cover / made
         return not there.is_file() or there.stat().st_mtime < source.stat().st_mtime
 
     def compile_covered(self, made: str) -> None:
-        """Compile one object that counts lines."""
+        """Compile one object with counters of executed lines."""
         words = [word for word in self.compilations[made] if not word.startswith("-O")]
         target = self.cover / made
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -204,7 +204,8 @@ class Workshop:
             sys.exit(f"{' '.join(words)}:\n{answer.stderr}")
 
     def covered_by(self, test: Test) -> Dict[str, List[int]]:
-        """Lines that a test executes, by file; kept in a file until the sources or the test change."""
+        """Executed lines of a test by file. They are stored in a file, which is valid until the sources or the test
+        change."""
         kept = self.cover / "lines" / (re.sub(r"\W", "_", test.name) + ".json")
         key = self.state(test)
         if kept.is_file():
@@ -228,18 +229,18 @@ class Workshop:
         return lines
 
     def counted(self) -> Dict[str, List[int]]:
-        """Lines of src/ that were executed, from the counts of the compiler."""
+        """Executed lines of src/, from the counters of the compiler."""
         files = [str(path) for path in self.cover.rglob("*.gcda")]
         return {file: sorted(line for line, count in counts.items() if count)
                 for file, counts in self.counts(files).items() if any(counts.values())}
 
     def counted_lines(self, file: str) -> Set[int]:
-        """Lines of a file for which the compiler counts."""
+        """Lines of a file that have a counter."""
         found = self.counts([str((self.cover / self.objects[file]).with_suffix(".gcno"))])
         return set(found.get(file, {}))
 
     def counts(self, files: Sequence[str]) -> Dict[str, Dict[int, int]]:
-        """How often each line was executed, by file of src/."""
+        """Number of executions of each line, by file of src/."""
         found: Dict[str, Dict[int, int]] = {}
         if not files:
             return found
@@ -257,7 +258,7 @@ class Workshop:
         return found
 
     def state(self, test: Test) -> str:
-        """Changes with the sources, and with the file of the test."""
+        """A hash of the sources and of the file of the test."""
         digest = hashlib.sha256()
         file = self.source / "test" / f"{test.name.split('.')[0]}.py"
         tests = list(self.source.glob(f"test/unit/*/{test.name}.pf")) if test.is_unit else [file]
@@ -266,7 +267,7 @@ class Workshop:
         return digest.hexdigest()
 
     def digests(self, folder: Path, decks: Sequence[Path]) -> Dict[str, str]:
-        """Digest of some decks after a few steps with the program of a folder; the exit code if it fails."""
+        """Digests of some decks after a few steps with the program in a folder; for a run that fails, its exit code."""
         found = {}
         for deck in decks:
             work = Path(tempfile.mkdtemp(prefix="w", dir=self.scratch))

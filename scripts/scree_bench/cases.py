@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 from scree.errors import unknown
 
 SIZES = ("small", "full")
-LAYOUTS = ((2, 1), (1, 2))                               # ranks, threads beside 1 x 1
+# layouts (ranks, threads) that are measured in addition to 1 x 1
+LAYOUTS = ((2, 1), (1, 2))
 GAP = 8                                                  # cells around a block that flies
 
 HEAD = """&run  dimension='{dimension}'  method='{method}' /
@@ -41,7 +42,7 @@ AXIS = "&boundary  face='xlo'  type='symmetry' /"
 
 
 def numbers(*values):
-    """Numbers as a deck takes them."""
+    """Numbers as text for a deck."""
     return ",".join(f"{value:g}" for value in values)
 
 
@@ -65,7 +66,7 @@ def flying_plate(edge):
 
 
 def flying_line(edge):
-    """A bar in one dimension."""
+    """A bar in one dimension that flies."""
     return {"upper": numbers(edge + 2 * GAP, 1, 1), "shape": box((GAP, 0, 0), (GAP + edge, 1, 1)),
             "body": "ppc=8,1,1  velocity=8,0,0"}
 
@@ -77,20 +78,21 @@ def block_on_wall(edge):
 
 
 def column(edge):
-    """A column of sand on a rough floor: a quarter of it, twice as high as wide; it begins to collapse."""
+    """A quarter of a column of sand on a rough floor, twice as high as wide, at the beginning of its collapse."""
     half = edge // 2
     return {"upper": numbers(edge, edge, edge + 4), "shape": box((0, 0, 0), (half, half, edge)), "body": "ppc=2,2,2"}
 
 
 def fragments(count):
-    """Single particles that fly apart, eight or so in a tile."""
+    """Single particles that fly apart, about eight in a tile."""
     whole = 3 * count
     return {"upper": numbers(whole, whole, whole), "shape": "shape='points'  file='points.csv'  point_volume=0.125",
             "body": f"packing='file'  velocity_formula='2*(x/{whole}-0.5)','2*(y/{whole}-0.5)','2*(z/{whole}-0.5)'"}
 
 
 def fragment_points(count):
-    """The file of their positions: one in a cube of three cells, moved aside by fractions that repeat late."""
+    """The file of their positions: one particle in a cube of three cells, displaced from its centre by fractions of a
+    sequence with a long period."""
     lines = ["x,y,z"]
     for number in range(count ** 3):
         corner = (number % count, number // count % count, number // count ** 2)
@@ -104,12 +106,12 @@ class Case:
     """One deck. `small` and `full` are (edge of the body in cells, steps)."""
 
     name: str
-    about: str                                           # in a few words, for the tables
+    about: str                                           # description in a few words, for the tables
     geometry: object = None                              # edge -> upper, shape, body; None: a shipped example
     small: tuple = (20, 40)
     full: tuple = (64, 40)
     method: str = "ddmp"
-    words: str = ""                                      # of &method
+    words: str = ""                                      # keys of &method
     dimension: str = "3d"
     units: str = "si"
     effects: str = QUIET
@@ -118,8 +120,8 @@ class Case:
     body: str = ""                                       # more keys of &body
     example: str = ""                                    # of `scree --new`
     settings: tuple = ()                                 # GROUP.KEY=VALUE on top of an example
-    files: object = None                                 # edge -> {name: text} of files that the deck names
-    layouts: bool = False                                # on several ranks and threads too
+    files: object = None                                 # edge -> {name: text} of files that the deck refers to
+    layouts: bool = False                                # also run on several ranks and threads
 
     def deck(self, size):
         """The deck as text; empty for an example."""
@@ -132,11 +134,11 @@ class Case:
                            steps=steps, effects=self.effects, material=self.material, boundary=self.boundary, **parts)
 
     def companions(self, size):
-        """Names and texts of the files that the deck names."""
+        """Names and texts of the files that the deck refers to."""
         return self.files(getattr(self, size)[0]) if self.files else {}
 
     def overrides(self, size):
-        """Values that --set gives to an example."""
+        """Values for --set that change an example."""
         return (*self.settings, f"time.max_steps={getattr(self, size)[1]}") if self.example else ()
 
 
@@ -187,7 +189,7 @@ CASES = (
 
 @dataclass(frozen=True)
 class Run:
-    """A case on a number of ranks and threads."""
+    """A case with a number of ranks and threads."""
 
     case: Case
     ranks: int = 1
@@ -200,13 +202,13 @@ class Run:
 
     @property
     def cores(self):
-        """Cores that are kept busy."""
+        """Number of cores that a run uses."""
         return self.ranks * self.threads
 
 
 def plan(only="", layouts=LAYOUTS):
-    """All runs, or those whose names match one of the patterns, which are separated by commas: parts of a name, or
-    with * and ?."""
+    """All runs, or those that match one of the patterns. Patterns are separated by commas; each is a part of a name, or
+    contains * and ?."""
     runs = [Run(case) for case in CASES]
     runs += [Run(case, ranks, threads) for case in CASES if case.layouts for ranks, threads in layouts
              if ranks * threads > 1]
@@ -218,5 +220,5 @@ def plan(only="", layouts=LAYOUTS):
 
 
 def matches(key, pattern):
-    """True for a part of a name, or a pattern of it."""
+    """True if the name of the run contains the pattern, or matches it with * and ?."""
     return fnmatch.fnmatchcase(key, pattern) if set(pattern) & set("*?[") else pattern in key

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command scree-bench: reads its options, measures, shows or compares."""
+"""The command scree-bench: reads its options, measures, and prints or compares results."""
 import argparse
 import re
 import sys
@@ -65,7 +65,7 @@ def layouts(text):
 
 
 def check_numbers(options):
-    """Refuse values that make no sense."""
+    """Refuse invalid values of options."""
     if not 1 <= options.repeat <= 1000:
         raise ScreeError(f"--repeat {options.repeat}: a number from 1 to 1000", EXIT_USAGE)
     if not 1.0 <= options.limit < 1.0e6:
@@ -75,7 +75,7 @@ def check_numbers(options):
 
 
 def listing(options):
-    """What --list prints."""
+    """The text that --list prints."""
     runs = cases.plan(options.only, layouts(options.layouts))
     width = max(len(run.key) for run in runs)
     return "\n".join(f"{run.key:<{width}}  {run.case.about}" + (
@@ -83,7 +83,7 @@ def listing(options):
 
 
 def read(path):
-    """A file of results that has all that tables and comparisons need."""
+    """Read a file of results that contains all values for tables and comparisons."""
     whole = result.read(path)
     try:
         tables.terminal(whole)
@@ -104,7 +104,7 @@ def show(options):
 
 
 def compare(options):
-    """Two files beside each other; the exit code."""
+    """Compare two files of results. Returns the exit code."""
     first, second = (read(path) for path in options.compare)
     result.comparable(first, second, options.compare)
     rows, slower, missing = tables.compared(first, second, options.limit)
@@ -119,7 +119,7 @@ def compare(options):
 
 
 def out_file(options):
-    """Where the results go; refused before the measurement if nothing can be written there."""
+    """Path of the results; an error before the measurement if the file cannot be written."""
     path = Path(options.out or time.strftime("scree_bench_%Y-%m-%d_%H%M%S.json"))
     known = path.exists()
     try:
@@ -132,7 +132,7 @@ def out_file(options):
 
 
 def run_cases(options, beside, copies):
-    """Measure, write, print; the exit code."""
+    """Measure, write and print. Returns the exit code."""
     runs = cases.plan(options.only, layouts(options.layouts))
     programs = [machine.program(path, beside) for path in (options.scree, options.turns)[:2 if options.turns else 1]]
     copy = machine.copy_program(programs[0].path, copies)
@@ -194,7 +194,7 @@ class scratch:
 
 
 def main(words=None, beside=None, copies=None):
-    """Run the command; the result is the exit code."""
+    """Run the command. Returns the exit code."""
     options = parser().parse_args(sys.argv[1:] if words is None else words)
     check_numbers(options)
     if options.version:
@@ -211,6 +211,6 @@ def main(words=None, beside=None, copies=None):
 
 
 def run(beside=None, copies=None):
-    """The program: errors are one line on standard error. `beside` is the folder of the command and `copies` that of
+    """Entry point: errors become one line on standard error. `beside` is the folder of the command and `copies` that of
     the program memory_copy, if they are known."""
     run_main(lambda: main(beside=beside, copies=copies), "scree-bench")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is measured on: the processor, the program scree, and the program that copies memory."""
+"""The machine and the programs of a measurement: the processor, the program scree, and the program that copies
+memory."""
 import os
 import platform
 import re
@@ -12,10 +13,11 @@ from scree.errors import ScreeError
 from scree.program import cores, find_program
 
 COPY_NAME = "memory_copy"
-COPY_FOLDER = "../libexec/scree"         # relative to that of scree
+COPY_FOLDER = "../libexec/scree"         # relative to the folder of scree
 COPY_MEGABYTES, COPY_REPEATS = 128, 3
 VERSION = re.compile(r"^scree (\S+) \(git ([^)]*)\)\s+(\S+ \S+) (\S+) (.*?)\s{2,}(.*)$", re.M)
-# Open MPI refuses root and more ranks than cores by default, and would bind the threads of a rank to one core.
+# By default Open MPI refuses to run as root and to start more ranks than cores, and binds the threads of a rank to one
+# core.
 DEFAULTS = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
             "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
             "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
@@ -24,13 +26,13 @@ DEFAULTS = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"
 
 
 def environment(threads):
-    """The environment of a run with a number of threads."""
+    """Environment variables of a run with a number of threads."""
     return {**DEFAULTS, **os.environ, "OMP_NUM_THREADS": str(threads)}
 
 
 @dataclass
 class Program:
-    """A program scree and what it says of itself."""
+    """A program scree, and the content of its --version."""
 
     path: str
     version: str = ""
@@ -41,7 +43,7 @@ class Program:
     mpi: str = ""
 
     def record(self):
-        """As it goes into the results; paths stay out of them."""
+        """Description for the file of results, without paths."""
         return {key: value for key, value in vars(self).items() if key != "path"}
 
 
@@ -54,7 +56,8 @@ def read_version(path, text):
 
 
 def program(path, beside=None):
-    """The program: as named, of the environment, beside this command, of this repository, or in the path."""
+    """The program scree. The first of these that exists: the named one, that of the environment variable SCREE, the one
+    in the folder of this command, of this repository, or in the search path."""
     if not path and not os.environ.get("SCREE") and beside and os.access(Path(beside) / "scree", os.X_OK):
         path = str(Path(beside) / "scree")
     path = find_program(path)
@@ -66,7 +69,7 @@ def program(path, beside=None):
 
 
 def copy_program(scree, folder=None):
-    """The program that copies memory: in the folder, or installed with scree."""
+    """The program that copies memory, in the given folder or installed with scree."""
     for place in filter(None, (folder, Path(scree).parent / COPY_FOLDER)):
         path = Path(place).absolute() / COPY_NAME
         if os.access(path, os.X_OK):
@@ -76,7 +79,7 @@ def copy_program(scree, folder=None):
 
 
 def measure_copy(path, threads, megabytes=COPY_MEGABYTES, repeats=COPY_REPEATS):
-    """Copy and triad of all threads together [GB/s], the best of some repeats."""
+    """Speed of copy and triad of all threads together [GB/s], the best of some repeats."""
     try:
         answer = subprocess.run([path, str(megabytes), str(repeats)], env=environment(threads), text=True, check=True,
                                 capture_output=True)
@@ -89,7 +92,7 @@ def measure_copy(path, threads, megabytes=COPY_MEGABYTES, repeats=COPY_REPEATS):
 
 
 def processor_name(text):
-    """The model of the processor in the text of /proc/cpuinfo."""
+    """Name of the processor in the text of /proc/cpuinfo."""
     for key in ("model name", "Hardware", "cpu model", "cpu"):
         found = re.search(rf"^{key}\s*:\s*(.+)$", text, re.M)
         if found:
@@ -98,7 +101,7 @@ def processor_name(text):
 
 
 def vectors(text):
-    """The widest vectors of the processor by the flags of /proc/cpuinfo."""
+    """The widest vector instructions of the processor, by the flags in /proc/cpuinfo."""
     found = re.search(r"^(?:flags|Features)\s*:\s*(.+)$", text, re.M)
     flags = set(found.group(1).split()) if found else set()
     for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2"), ("avx", "AVX"), ("sve", "SVE"), ("asimd", "NEON"),
@@ -109,7 +112,7 @@ def vectors(text):
 
 
 def describe():
-    """The machine, for the results."""
+    """Description of the machine for the file of results."""
     try:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
@@ -123,5 +126,5 @@ def describe():
 
 
 def has(word):
-    """True if a command is in the path."""
+    """True if a command is in the search path."""
     return shutil.which(word) is not None

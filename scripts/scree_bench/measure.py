@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs of cases: in turns, each between two measurements of the copy."""
+"""Runs of cases. Two programs run alternately, and the speed of copying memory is measured before and after each
+run."""
 import hashlib
 import json
 import shlex
@@ -16,12 +17,12 @@ from scree.errors import reason_of
 from . import machine, result
 
 CASE = "case"                            # prefix of the files of every run
-SCREEN = "screen.txt"                    # in the folder of a run: what the program printed
+SCREEN = "screen.txt"                    # file in the folder of a run with the output of the program
 
 
 @dataclass
 class Bench:
-    """How cases are run: programs (one, or two that take turns), folder for scratch files, and so on."""
+    """Settings of the measurement: programs (one, or two that alternate), folder for scratch files, and so on."""
 
     programs: list
     copy: str                            # program that copies memory
@@ -29,10 +30,10 @@ class Bench:
     size: str = "small"
     mpiexec: tuple = ("mpiexec",)
     copy_megabytes: int = machine.COPY_MEGABYTES
-    decks: dict = field(default_factory=dict)            # {case: deck} that were written
+    decks: dict = field(default_factory=dict)            # decks that exist already, by case
 
     def prepare(self, case):
-        """Write the deck of a case, or have the first program copy its example; the path of the deck."""
+        """Write the deck of a case, or let the first program copy its example. Returns the path of the deck."""
         if case.name in self.decks:
             return self.decks[case.name]
         folder = self.work / case.name
@@ -55,12 +56,12 @@ class Bench:
         return deck
 
     def digest(self, case):
-        """Digest of a deck with its settings: results of different decks are not compared."""
+        """Digest of a deck and its settings. Only results with equal digests are compared."""
         text = self.prepare(case).read_text(encoding="utf-8") + " ".join(case.overrides(self.size))
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def command(self, run, program):
-        """The words that start a run."""
+        """The command of a run as a list of words."""
         words = [program.path, "--quiet", "--overwrite", "--case", CASE, "--outdir", str(self.folder(run))]
         for setting in run.case.overrides(self.size):
             words += ["--set", setting]
@@ -68,11 +69,11 @@ class Bench:
         return [*self.mpiexec, "-n", str(run.ranks), *words] if run.ranks > 1 else words
 
     def folder(self, run):
-        """The folder of a run; each takes the place of the one before."""
+        """The folder of a run; it replaces that of the previous run."""
         return self.work / run.case.name / "out"
 
     def once(self, run, program):
-        """One run of a program; what its summary says, or a message why it failed."""
+        """Make one run of a program. Returns values of its summary, or a message with the cause of a failure."""
         folder = self.folder(run)
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
@@ -92,7 +93,7 @@ class Bench:
 
 
 def skipped(run, mpiexec):
-    """Why a run cannot be made here, or nothing."""
+    """The reason why a run is not possible on this machine; empty if it is."""
     if run.cores > machine.cores():
         return f"needs {run.cores} cores, this machine gives {machine.cores()}"
     if run.ranks > 1 and not machine.has(mpiexec[0]):
@@ -101,7 +102,7 @@ def skipped(run, mpiexec):
 
 
 def mpiexec_words(text):
-    """The words that start ranks."""
+    """The command that starts ranks, as a list of words."""
     try:
         words = tuple(shlex.split(text))
     except ValueError:
@@ -113,7 +114,8 @@ def mpiexec_words(text):
 
 
 def measure(bench, runs, repeats, save):
-    """The results of all runs. `save` is called with them after each repeat, so that an interrupt leaves something."""
+    """The results of all runs. `save` is called with them after each repeat, so that results are kept after an
+    interrupt."""
     results = [result.started(run, bench.digest(run.case), skipped(run, bench.mpiexec), len(bench.programs))
                for run in runs]
     todo = [entry for entry in zip(runs, results) if not entry[1]["skipped"]]
@@ -131,24 +133,26 @@ def measure(bench, runs, repeats, save):
 
 
 class Copies:
-    """Measurements of the copy. That after a run is also the one before the next run on as many cores."""
+    """Measurements of the copy speed. The measurement after a run also serves as the one before the next run on the
+    same number of cores."""
 
     def __init__(self, bench):
         self.bench, self.last = bench, {}
 
     def before(self, cores):
-        """The copy right before a run."""
+        """The copy speed before a run."""
         return self.last.get(cores) or self.after(cores)
 
     def after(self, cores):
-        """The copy right after a run."""
+        """The copy speed after a run."""
         found = machine.measure_copy(self.bench.copy, cores, self.bench.copy_megabytes)
         self.last = {cores: found}
         return found
 
 
 def around(bench, run, entry, repeat, copies):
-    """One run of each program, with the copy before, between and after; the order of two programs alternates."""
+    """One run of each program, with the copy speed before, between and after them. The order of two programs alternates
+    between repeats."""
     order = list(range(len(bench.programs)))
     for number in order if repeat % 2 == 0 else order[::-1]:
         before = copies.before(run.cores)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Results: numbers of a case from its runs, and the file that holds them all.
+"""Results: derived numbers of each case, and the file of all results.
 
-A result is a dictionary of the file: the case, its layout, and for each program (one, or two that took turns) all runs
-and the numbers taken from them. Speed counts the processor time of the steps, so start and output do not matter. The
-copy is that of one core.
+A result is a dictionary: the case, its layout, and for each program (one, or two that alternate) all runs and the
+numbers derived from them. The speed is computed from the processor time of the steps, so start and output do not
+contribute. The copy speed is that of one core.
 """
 import json
 import statistics
@@ -20,7 +20,7 @@ OUTSIDE = ("ledger, history", "output", "checkpoint")    # timers that are no pa
 
 
 def taken(summary):
-    """What is kept of CASE.summary.json."""
+    """The values of CASE.summary.json that are stored."""
     return {"processor_s": summary["processor_s"], "particle_updates": summary["particle_updates"],
             "particle_updates_per_s": summary["particle_updates_per_s"], "particles": summary["particles"],
             "steps": summary["steps"], "bytes_per_particle": summary["bytes_per_particle"],
@@ -28,13 +28,13 @@ def taken(summary):
 
 
 def started(run, digest, why, programs):
-    """The result of a run before its first repeat."""
+    """The result of a case before its first repeat."""
     return {"case": run.key, "about": run.case.about, "ranks": run.ranks, "threads": run.threads, "deck": digest,
             "skipped": why, "programs": [{"runs": [], "failed": ""} for _ in range(programs)]}
 
 
 def phases_of(timers, whole):
-    """Time shared out to phases as the timers say; they add up to `whole`."""
+    """The time `whole`, divided among the phases in proportion to the timers."""
     found = {}
     for name, seconds in timers.items():
         if name not in OUTSIDE:
@@ -45,17 +45,18 @@ def phases_of(timers, whole):
 
 
 def all_timers(runs):
-    """Timers of all repeats together: the laws are timed in a few steps of each only."""
+    """Sum of the timers over all repeats. This is more accurate because material models are timed only in a few steps
+    of each run."""
     return {name: sum(raw["timers"].get(name, 0.0) for raw in runs) for raw in runs for name in raw["timers"]}
 
 
 def nanoseconds(raw):
-    """Processor time of a particle and step [ns]."""
+    """Processor time per particle and step [ns]."""
     return 1.0e9 * raw["processor_s"] / raw["particle_updates"]
 
 
 def finish(entry):
-    """Put the numbers of the runs so far into a result."""
+    """Compute the numbers of a result from its runs so far."""
     cores = entry["ranks"] * entry["threads"]
     for one in entry["programs"]:
         good = [raw for raw in one["runs"] if "failed" not in raw and raw["particle_updates"] > 0
@@ -69,7 +70,7 @@ def finish(entry):
         spent = [nanoseconds(raw) for raw in good]
         copies = [raw[when]["copy"] / cores for raw in good for when in ("copy_before", "copy_after")]
         one.update(
-            # the least time, as other work on the machine only adds to it
+            # the least time, because other processes can only increase it
             particles=best["particles"], steps=best["steps"], bytes_per_particle=best["bytes_per_particle"],
             ns=min(spent), ns_median=statistics.median(spent), ns_most=max(spent),
             updates_per_core_s=1.0e9 / min(spent),
@@ -82,7 +83,7 @@ def finish(entry):
 
 
 def updates_per_mb(spent, copy):
-    """Updates of a particle in the time in which one core copies a megabyte, read and written bytes together [1/MB].
+    """Particle updates in the time in which one core copies a megabyte, where read and written bytes are added [1/MB].
 
     spent: [ns], copy: [GB/s].
     """
@@ -90,7 +91,7 @@ def updates_per_mb(spent, copy):
 
 
 def turns(programs):
-    """Speed of the first program over that of the second, from runs of the same repeat."""
+    """Ratio of the speeds of the first and the second program, from runs of the same repeat."""
     first, second = ({raw["repeat"]: nanoseconds(raw) for raw in one["runs"] if "failed" not in raw}
                      for one in programs)
     ratios = sorted(second[repeat] / first[repeat] for repeat in first if repeat in second)
@@ -101,12 +102,12 @@ def turns(programs):
 
 
 def document(about, results):
-    """The file as a dictionary; `about` holds machine, programs, size and so on."""
+    """The content of the file as a dictionary; `about` describes machine, programs, size and so on."""
     return {"schema": SCHEMA, "schema_version": SCHEMA_VERSION, **about, "results": results}
 
 
 def write(path, whole):
-    """Write the file; an error is a message."""
+    """Write the file. If that fails, an error with a message is raised."""
     try:
         with open(path, "w", encoding="utf-8") as handle:
             json.dump(whole, handle, indent=1)
@@ -133,7 +134,7 @@ def read(path):
 
 
 def comparable(first, second, names):
-    """Refuse two files that hold different things."""
+    """Raise an error if two files hold results that are not comparable."""
     if first["size"] != second["size"]:
         raise ScreeError(f"{names[0]} was measured with --size {first['size']}, {names[1]} with --size "
                         f"{second['size']}: measure one of them again", EXIT_USAGE)

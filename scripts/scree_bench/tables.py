@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tables of results: on the terminal, in Markdown, and of two files or two programs beside each other."""
+"""Tables of results for the terminal and in Markdown, and comparisons of two files or two programs."""
 import os
 import re
 from pathlib import Path
@@ -8,11 +8,11 @@ from scree.errors import ScreeError
 
 BEGIN, END = "<!-- table -->", "<!-- end -->"
 ORDER = ("sort", "to nodes", "nodes", "exchange", "to particles", "contact", "conduction", "waiting", "material")
-LEAST = 0.005                            # share of a case's time from which a phase has a column
+LEAST = 0.005                            # a phase has a column if it takes at least this share of a case's time
 
 
 def head(whole):
-    """Lines that say what was measured, on what."""
+    """Lines that describe the measurement and the machine."""
     here, one = whole["machine"], whole["programs"][0]
     repeats = max((len(program["runs"]) for entry in whole["results"] for program in entry["programs"]), default=0)
     return [f"{here['processor']}, {here['cores']} cores, {here['vectors'] or 'vectors unknown'}, "
@@ -24,7 +24,8 @@ def head(whole):
 
 
 def phases_in(entries):
-    """Phases with a column: the usual ones in order, then others, those that take next to nothing left out."""
+    """Phases that have a column: the usual ones in their order, then others; phases with a negligible time have
+    none."""
     seen = {}
     for entry in entries:
         one = entry["programs"][0]
@@ -35,7 +36,7 @@ def phases_in(entries):
 
 
 def speed_rows(whole):
-    """Heads and rows of the table of speed, as texts. Phases that have no column are summed in the last one, so the
+    """Heading and rows of the table of speed, as texts. Phases without a column are added to the last one, so that the
     phases of a row add up to its time."""
     phases = phases_in(whole["results"])
     heads = ["case", "M/s core", "M/s wall", "ns", "+%", *phases, "rest", "bytes", "copy", "per MB"]
@@ -57,7 +58,7 @@ def speed_rows(whole):
 
 
 def remarks(whole):
-    """Lines on cases that have no numbers, or not those of all programs."""
+    """Lines about cases without results, or with results of only one program."""
     lines = []
     for entry in whole["results"]:
         if entry["skipped"]:
@@ -68,7 +69,7 @@ def remarks(whole):
 
 
 def plain(heads, rows):
-    """A table for the terminal: the first column to the left, numbers to the right."""
+    """A table for the terminal: the first column is left-aligned, numbers are right-aligned."""
     widths = [max(len(line[column]) for line in (heads, *rows)) for column in range(len(heads))]
     lines = [[line[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(line[1:], widths[1:]))]
              for line in (heads, *rows)]
@@ -76,13 +77,13 @@ def plain(heads, rows):
 
 
 def marked(heads, rows):
-    """The same in Markdown."""
+    """The same table in Markdown."""
     lines = [heads, ["---", *["--:"] * (len(heads) - 1)], *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def turn_rows(whole):
-    """Heads and rows of two programs that took turns."""
+    """Heading and rows of the table of two programs that alternate."""
     rows = []
     for entry in whole["results"]:
         found = entry.get("turns")
@@ -93,7 +94,7 @@ def turn_rows(whole):
 
 
 def terminal(whole):
-    """All that is printed after a measurement."""
+    """All text that is printed after a measurement."""
     lines = [*head(whole), ""]
     lines += [plain(*speed_rows(whole)), "", legend()]
     if len(whole["programs"]) == 2:
@@ -105,7 +106,7 @@ def terminal(whole):
 
 
 def legend():
-    """What the columns are."""
+    """Explanation of the columns."""
     return ("M/s: million particle updates per second of core time and of wall time. ns: core time of a particle and\n"
             "step, and of its phases; +%: slowest repeat over the best. bytes: of fields per particle. copy: GB/s of\n"
             "a core, measured beside. per MB: updates in the time in which a core copies 1 MB.")
@@ -123,7 +124,7 @@ def markdown(whole):
 
 
 def check_page(path):
-    """Refuse a page that could not be written, before anything is measured."""
+    """Raise an error before the measurement if the page cannot be written."""
     page = Path(path)
     if not page.is_file():
         if page.is_dir() or not page.parent.is_dir() or not os.access(page.parent, os.W_OK):
@@ -136,7 +137,7 @@ def check_page(path):
 
 
 def write_page(path, text):
-    """A new page, or the part of an existing one between its two marks."""
+    """Write a new page, or replace the part of an existing one between its two marks."""
     page, whole = Path(path), f"{BEGIN}\n{text}{END}\n"
     check_page(path)
     if page.is_file() and page.stat().st_size:
@@ -149,7 +150,8 @@ def write_page(path, text):
 
 
 def compared(first, second, limit):
-    """Rows of a comparison, and sentences on cases that are slower than the limit and on those that are not in both.
+    """Rows of a comparison, sentences about cases that are slower than the limit, and sentences about cases that only
+    one file contains.
 
     A case is slower if its updates per MB copied are less than 1/limit of those of the first file.
     """
@@ -180,7 +182,7 @@ COMPARED = ["case", "ns A", "ns B", "speed B:A", "per MB A", "per MB B", "B:A", 
 
 
 def slower_in_turns(whole, limit):
-    """Sentences on cases in which the first program is slower than the other by more than the limit."""
+    """Sentences about cases in which the first program is slower than the second by more than the limit."""
     medians = {entry["case"]: entry["turns"]["median"] for entry in whole["results"] if entry.get("turns")}
     return [f"{case}: {1.0 / median:.2f} times slower than the other program, limit {limit:g}"
             for case, median in medians.items() if median * limit < 1.0]

@@ -8,7 +8,7 @@ ROW = re.compile(r"^(\w+) {2,}(\S.*)$")
 
 
 def written(docstring):
-    """The text as it is in the source, indented relative to its first line."""
+    """The text with the line breaks of the source, indented relative to its first line."""
     lines = docstring.parent.filepath.read_text(encoding="utf-8").split("\n")
     lines = lines[docstring.lineno - 1:docstring.endlineno]
     edge = len(lines[0]) - len(lines[0].lstrip())
@@ -33,9 +33,9 @@ def as_markdown(text):
 
 
 class Rows(griffe.Extension):
-    """Changes the docstrings when the sources have been read."""
+    """Extension that changes the docstrings after the sources have been read."""
 
     def on_object(self, *, obj, **_):
-        """One function, class or module."""
+        """Change the docstring of one function, class or module."""
         if obj.docstring and obj.docstring.lineno:
             obj.docstring.value = as_markdown(written(obj.docstring))

@@ -27,7 +27,7 @@ def summary(name):
 
 
 def prose(lines):
-    """Text of a comment as Markdown; pages that it names become links."""
+    """Text of a comment as Markdown; names of pages become links."""
     text = "\n".join(re.sub(r"^\s*!(>|!) ?", "", line).strip() for line in lines)
     text = re.sub(r"([*$|<])", r"\\\1", text)
     return PAGE.sub(lambda found: f"[{found[0]}](../../{found[1]})" if (ROOT / found[0]).is_file() else found[0], text)
@@ -50,7 +50,7 @@ def public_names(text):
 
 
 def header(lines, at):
-    """A procedure's first line, with its continuations, and the declarations of its arguments."""
+    """The first statement of a procedure with its continuation lines, and the declarations of its arguments."""
     shown = [lines[at]]
     while lines[at].split("!")[0].rstrip().endswith("&"):
         at += 1
@@ -70,13 +70,13 @@ def header(lines, at):
 
 
 def until(lines, at, end):
-    """Lines up to one that matches."""
+    """Lines up to the first one that matches."""
     stop = next((n for n in range(at + 1, len(lines)) if re.match(end, lines[n], re.I)), at)
     return lines[at:stop + 1]
 
 
 def comment_above(lines, at):
-    """The comment that ends above a line."""
+    """The comment that ends right above a line."""
     first = at
     while first > 0 and re.match(r"^\s*!(>|!)", lines[first - 1]):
         first -= 1
@@ -84,7 +84,7 @@ def comment_above(lines, at):
 
 
 def entry(lines, at, public):
-    """Name, comment and source of what begins in a line, None if nothing public does."""
+    """Name, comment and source of the declaration that begins in a line; None if nothing public begins there."""
     line = lines[at]
     for pattern, end in ((TYPE, r"^ {3}end type"), (PROCEDURE, None)):
         found = pattern.match(line)
@@ -101,7 +101,7 @@ def entry(lines, at, public):
 
 
 def module(path):
-    """Section of one module, with its name as the heading."""
+    """Section of one module with the module name as heading."""
     lines = path.read_text(encoding="utf-8").split("\n")
     public = public_names("\n".join(lines))
     at = next((n for n, line in enumerate(lines) if re.match(r"(module|program) \w+", line)), None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Hook of MkDocs: what lies outside of doc/ becomes part of the site, without a copy in the repository.
+"""Hook of MkDocs that adds files outside of doc/ to the site, without copies in the repository.
 
 READMEs, CHANGELOG and CONTRIBUTING become pages. Pictures and other files to which a page links are taken
 along; text files (decks, sources, scripts) become pages with coloured text, and folders pages that list them. With
@@ -53,7 +53,7 @@ def place_in_repository(uri):
 
 
 def place_on_site(path):
-    """Page or file of the site for a file of the repository, None if it is to be looked up elsewhere."""
+    """Page or file of the site for a file of the repository; None if the repository on the web is the target."""
     scene = re.fullmatch(r"input/(\w+)/README\.md", path)
     if scene:
         return f"scenes/{scene[1]}.md"
@@ -80,7 +80,7 @@ def target_of(link, path):
 
 
 def address(path, repository):
-    """Where a source or a folder is on the web, None if it becomes a part of the site."""
+    """Web address of a source or folder; None if it becomes a part of the site."""
     on_site = place_on_site(path)
     if repository and on_site.startswith("files/") and on_site.endswith(".md"):
         return f"{repository.rstrip('/')}/{'tree' if (ROOT / path).is_dir() else 'blob'}/main/{path}"
@@ -88,7 +88,7 @@ def address(path, repository):
 
 
 def text_outside_fences(text, change):
-    """The text with `change` applied to what is not in fenced blocks."""
+    """The text with `change` applied to all parts outside of fenced blocks."""
     result, at = [], 0
     for block in FENCE.finditer(text):
         result += [change(text[at:block.start()]), block[0]]
@@ -108,7 +108,7 @@ def page_of_file(path):
 
 
 def page_of_notebook(path):
-    """A notebook of Jupyter as a page, without what it has printed."""
+    """A Jupyter notebook as a page, without the outputs of its cells."""
     cells = json.loads((ROOT / path).read_text(encoding="utf-8"))["cells"]
     texts = [("".join(cell["source"]), cell["cell_type"]) for cell in cells]
     return "\n\n".join(f"```python\n{text}\n```" if kind == "code" else text for text, kind in texts) + (
@@ -116,7 +116,7 @@ def page_of_notebook(path):
 
 
 def add_notebooks(add):
-    """Pages of all notebooks and a list of them."""
+    """Add the pages of all notebooks and a list of them."""
     paths = sorted((ROOT / NOTEBOOKS).glob("*.ipynb"))
     for path in paths:
         add(f"{NOTEBOOKS[4:]}/{path.stem}.md", content=page_of_notebook(str(path.relative_to(ROOT))))
@@ -126,7 +126,7 @@ def add_notebooks(add):
 
 
 def linked_files(documents):
-    """All files outside of doc/ to which one of the documents links."""
+    """All files outside of doc/ that are the target of a link in one of the documents."""
     found = set()
     for path in documents:
         text = (ROOT / path).read_text(encoding="utf-8")
@@ -138,18 +138,18 @@ def linked_files(documents):
 
 
 def on_config(config):
-    """The version in the footer of each page."""
+    """Show the version in the footer of each page."""
     number, commit = version()
     config.copyright = f"Scree {number} ({commit})" if commit else f"Scree {number}"
-    # in the place of what the plugin offline would fetch from a network when the site is viewed
+    # replaces the scripts that the plugin `offline` would load from a network when the site is viewed
     config.extra["polyfills"] = ["assets/iframe-worker.js"]
     if os.environ.get("SCREE_SITE_RELEASE"):
-        config.extra["version"] = {"provider": "mike"}   # the selector of versions reads ../versions.json
+        config.extra["version"] = {"provider": "mike"}   # the version selector reads ../versions.json
     return config
 
 
 def on_files(files, config):
-    """Pages and files from outside of doc/."""
+    """Add pages and files from outside of doc/."""
     known = {file.src_uri for file in files}
 
     def add(uri, **what):
@@ -183,7 +183,7 @@ def on_files(files, config):
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Links as they are in the repository lead to pages of the site."""
+    """Replace links that are valid in the repository by links to pages of the site."""
     if page.file.src_uri.startswith(("files/", "api/fortran/")):
         return markdown
     if page.file.src_uri == MODULES:

@@ -29,7 +29,7 @@ module base_communicator
 
    !> Messages in transit to a few ranks.
    type :: posted_t
-      integer(int64), allocatable :: outgoing(:)      !! Their words, not changed until complete
+      integer(int64), allocatable :: outgoing(:)      !! Words to send; unchanged until `complete`
       type(mpi_request), allocatable, private :: sent(:) !! One request per message
       integer, private :: tag = 0                     !! Tag of the exchange
    end type posted_t
@@ -41,10 +41,10 @@ module base_communicator
       type(mpi_comm), private :: handle = mpi_comm_world !! Communicator of MPI
       type(mpi_info), private :: hints = mpi_info_null !! For files that all ranks write
       type(traffic_t) :: traffic                      !! Counts of messages
-      integer(int64) :: memory = 0                    !! Private memory once MPI was started [byte]
-      !> Collective calls, words of 8 bytes of their results, and 0 or 1 in turn for successive
-      !! exchanges. Copies of a communicator share them: an exchange of a copy must not be taken
-      !! for the next one of the original.
+      integer(int64) :: memory = 0 !! Private memory just after MPI was started [byte]
+      !> Numbers of collective calls and of the words of 8 bytes of their results; 0 or 1 in turn,
+      !! for the message tag of the next exchange. Copies of a communicator share these, so that
+      !! messages of an exchange on a copy are not taken for those of the next one on the original.
       integer(int64), pointer, private :: called(:) => null()
    contains
       procedure :: start => communicator_start        !! Start MPI
@@ -100,11 +100,11 @@ contains
       allocate (self%called(3), source=0_int64)
    end subroutine communicator_adopt
 
-   !> Use a copy of the communicator of a host program, so that messages of both are not mixed. A
-   !! failure of MPI ends the process, as in the program scree. Collective over the other one.
+   !> Use a copy of the communicator of a host program, so that messages of both are not mixed. An
+   !! MPI failure ends the process, as in the program scree. Collective over the host's ranks.
    subroutine communicator_duplicate(self, handle)
       class(communicator_t), intent(inout) :: self
-      integer, intent(in) :: handle                   !! Fortran handle of the other communicator
+      integer, intent(in) :: handle                   !! Fortran handle of the host's communicator
       type(mpi_comm) :: other
 
       other%mpi_val = handle
@@ -129,7 +129,7 @@ contains
       self%handle = mpi_comm_world
    end subroutine communicator_release
 
-   !> True if MPI has been started, by whatever part of the process.
+   !> True if MPI has been started, by Scree or by a host program.
    logical function message_passing_has_started() result(started)
       call mpi_initialized(started)
    end function message_passing_has_started
@@ -186,7 +186,7 @@ contains
 
    !> Count a collective call.
    subroutine count_call(self, words)
-      class(communicator_t), intent(in) :: self       !! Of several ranks
+      class(communicator_t), intent(in) :: self       !! A group that uses MPI
       integer, intent(in) :: words                    !! Words of 8 bytes of the result
 
       self%called(:2) = self%called(:2) + [1, words]
@@ -201,7 +201,7 @@ contains
       call mpi_barrier(self%handle)
    end subroutine communicator_barrier
 
-   !> Minimum of one number a rank.
+   !> Minimum over the ranks of one number per rank. Collective.
    real(wp) function communicator_minimum(self, value) result(least)
       class(communicator_t), intent(in) :: self
       real(wp), intent(in) :: value                   !! Number of this rank
@@ -209,7 +209,7 @@ contains
       least = -self%maximum(-value)
    end function communicator_minimum
 
-   !> Maximum of one number a rank.
+   !> Maximum over the ranks of one number per rank. Collective.
    real(wp) function communicator_maximum(self, value) result(greatest)
       class(communicator_t), intent(in) :: self
       real(wp), intent(in) :: value                   !! Number of this rank
@@ -220,10 +220,10 @@ contains
       call mpi_allreduce(value, greatest, 1, mpi_double_precision, mpi_max, self%handle)
    end function communicator_maximum
 
-   !> Replace numbers by their maxima over the ranks.
+   !> Replace each number of an array by its maximum over the ranks. Collective.
    subroutine communicator_maxima(self, values)
       class(communicator_t), intent(inout) :: self
-      real(wp), contiguous, intent(inout) :: values(:) !! Of this rank on entry, maxima on return
+      real(wp), contiguous, intent(inout) :: values(:) !! Of this rank in, maxima over ranks out
       real(wp), allocatable :: greatest(:)
       integer(int64) :: begin
 
@@ -237,7 +237,7 @@ contains
       call add_wait(self%traffic, begin)
    end subroutine communicator_maxima
 
-   !> Replace integers by their minima over the ranks.
+   !> Replace each integer of an array by its minimum over the ranks. Collective.
    subroutine communicator_least(self, values)
       class(communicator_t), intent(in) :: self
       integer(int64), contiguous, intent(inout) :: values(:) !! Of this rank in, minima out
@@ -260,7 +260,7 @@ contains
       traffic%waiting = traffic%waiting + real(now - begin, wp)/real(rate, wp)
    end subroutine add_wait
 
-   !> True on all ranks if true on one of them.
+   !> True on all ranks if true on at least one of them. Collective.
    logical function communicator_any(self, value) result(some)
       class(communicator_t), intent(in) :: self
       logical, intent(in) :: value                    !! Condition on this rank
@@ -271,7 +271,7 @@ contains
       some = counts(1) > 0
    end function communicator_any
 
-   !> Replace integers by their sums over the ranks.
+   !> Replace each integer of an array by its sum over the ranks. Collective.
    subroutine communicator_total(self, values)
       class(communicator_t), intent(in) :: self
       integer(int64), contiguous, intent(inout) :: values(:) !! Terms in, sums out
@@ -284,7 +284,7 @@ contains
       values = sums
    end subroutine communicator_total
 
-   !> Sum of one integer over the ranks below this one.
+   !> Sum of one integer over the ranks below this one; 0 on rank 0. Collective.
    function communicator_before(self, value) result(lower)
       class(communicator_t), intent(in) :: self
       integer(int64), intent(in) :: value             !! Term of this rank
@@ -404,17 +404,17 @@ contains
       arrived = [arrived, incoming]
    end subroutine communicator_send_rows
 
-   !> Send messages. Before `complete` the rank may do other work, but no other exchange.
+   !> Send messages. No other exchange may start before `complete`; other work may be done.
    !!
    !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
    !! protocols for dynamic sparse data exchange", PPoPP 2010. A synchronous message is delivered
-   !! once it is received; a rank enters a non-blocking barrier when its messages are delivered, and
-   !! at the end of the barrier all messages of all ranks are delivered.
+   !! once it is received; a rank enters a non-blocking barrier when all its messages are delivered,
+   !! so the end of the barrier means that all messages of all ranks are delivered.
    subroutine communicator_post(self, destination, length, posted)
       class(communicator_t), intent(inout) :: self
       integer, contiguous, intent(in) :: destination(:)        !! Rank of each message
       integer, contiguous, intent(in) :: length(:)             !! Words of each message
-      type(posted_t), intent(inout) :: posted         !! With the words of all messages
+      type(posted_t), intent(inout) :: posted         !! Words in, requests of the messages out
       integer :: message, first
 
       self%called(3) = 1 - self%called(3)
@@ -436,7 +436,7 @@ contains
       class(communicator_t), intent(inout) :: self
       type(posted_t), intent(inout) :: posted         !! From `post`
       integer(int64), allocatable, intent(inout) :: incoming(:) !! Grows as needed
-      integer, intent(out) :: words                   !! Received words
+      integer, intent(out) :: words                   !! Number of received words
       type(mpi_request) :: consensus
       integer(int64) :: begin
       logical :: done, agreeing

@@ -71,11 +71,11 @@ contains
       sound = verdict == decimal_good .or. verdict == decimal_small
    end subroutine file_number
 
-   !> Read exactly `size(values)` finite numbers from a line of such a file.
+   !> Read exactly `size(values)` finite numbers from a line of a file of another program.
    subroutine file_numbers(line, values, sound)
       character(len=*), intent(in) :: line           !! With blanks between the numbers
-      real(wp), intent(out) :: values(:)             !! As written; 0 from the first error on
-      logical, intent(out) :: sound                  !! True if all digits are present
+      real(wp), intent(out) :: values(:)             !! The numbers; 0 from the first error on
+      logical, intent(out) :: sound                  !! True if all of them are valid
       type(text_t), allocatable :: words(:)
       integer :: k
 
@@ -89,7 +89,7 @@ contains
       end do
    end subroutine file_numbers
 
-   !> A line of such a file with blanks instead of commas and control characters.
+   !> A line of a file of another program with blanks in place of commas and control characters.
    pure function without_commas(line) result(clean)
       character(len=*), intent(in) :: line           !! Any line
       character(len=len(line)) :: clean

@@ -31,9 +31,9 @@ module base_deck
       integer :: system = system_si                      !! Units of its numbers
       type(schema_t), private :: schema                  !! Keys that are allowed
       type(problems_t) :: problems                       !! Errors and warnings
-      type(definitions_t), private :: definitions        !! Names of numbers
+      type(definitions_t), private :: definitions        !! Names defined by `&define`
       type(group_t), allocatable, private :: groups(:)   !! All groups
-      type(deck_index_t), private :: index               !! Their index
+      type(deck_index_t), private :: index               !! Index of the groups
       type(text_t), allocatable, private :: files(:)     !! Its files in the order of reading
       integer, private :: written = 0                    !! Number of groups in the text
    contains
@@ -41,7 +41,7 @@ module base_deck
       procedure :: count => deck_count                   !! Number of groups of a kind
       procedure :: group => deck_group                   !! One group
       procedure :: departs => deck_departs               !! Is a key given, and not its default?
-      procedure :: named => deck_named                   !! Number of the group of a name
+      procedure :: named => deck_named                   !! Index of the group with a given name
       !> Record an error or a warning about a group, at the line of a key if it is given.
       generic :: complain => report_group_error, report_place_error
       generic :: warn => warn_of_group, warn_of_place    !! The same for a warning
@@ -71,7 +71,7 @@ contains
       class(deck_t), intent(out) :: self
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
       character(len=*), intent(in) :: text               !! All lines
-      character(len=*), intent(in) :: file               !! Its name, for messages
+      character(len=*), intent(in) :: file               !! Name of the file, for messages
       type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
       type(error_t), allocatable, intent(out) :: error   !! An error in the schema
       type(namelist_t) :: namelist
@@ -133,7 +133,8 @@ contains
       if (system == 0) system = system_si
    end function chosen_system
 
-   !> Add the groups that may be given once and are not, so that they have their defaults.
+   !> Add each group that may be given once and is absent from the deck, so that its keys have their
+   !! defaults.
    subroutine add_absent(schema, file, groups, filled)
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
       character(len=*), intent(in) :: file               !! Name of the deck
@@ -153,7 +154,7 @@ contains
       end do
    end subroutine add_absent
 
-   !> Number of groups of a kind. One that may be given once always counts as one.
+   !> Number of groups of a kind. A kind that may be given only once always counts as one.
    pure integer function deck_count(self, name) result(count)
       class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! Kind, without &
@@ -191,7 +192,7 @@ contains
       allocate (group%values(0))
    end function deck_group
 
-   !> Number of the group with a given name among those of its kind, 0 if there is none.
+   !> Index of the group with a given name among the groups of its kind, 0 if there is none.
    pure integer function deck_named(self, name, title) result(place)
       class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! Kind, without &
@@ -251,12 +252,13 @@ contains
       errors = self%problems%errors
    end function deck_errors
 
-   !> True if the groups of a kind, or one of them, have no error, and no error elsewhere can have
-   !! removed keys from them. Then they can be checked further although other groups have errors.
+   !> True if no group of a kind (or the one at `place`) has an error, and no error elsewhere can
+   !! have removed keys from it. Such groups can be checked further although other groups have
+   !! errors.
    pure logical function deck_sound(self, name, place) result(sound)
       class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! Kind, without &
-      integer, intent(in), optional :: place             !! Number among those of its kind, or all
+      integer, intent(in), optional :: place !! Index among those of its kind, default: all
       integer :: first, last, seen, which
 
       sound = .not. self%problems%about("&"//name)
@@ -303,7 +305,7 @@ contains
    function deck_shown(self, value, unit_text) result(text)
       class(deck_t), intent(in) :: self
       real(wp), intent(in) :: value                      !! The number [SI]
-      character(len=*), intent(in) :: unit_text          !! Its unit of SI
+      character(len=*), intent(in) :: unit_text          !! SI unit of the key
       character(len=:), allocatable :: text
       type(unit_t) :: unit
       logical :: known
@@ -327,8 +329,8 @@ contains
       text = text//echo(self%schema, self%groups, self%index)
    end function deck_echo
 
-   !> True if a key is given with another value than its default: the echo of a deck, which is a
-   !! deck too, gives all defaults.
+   !> True if a key is given with a value other than its default. A key that has its default is not
+   !! enough, because the echo of a deck can be run as a deck and gives all defaults.
    logical function deck_departs(self, group, key) result(departs)
       class(deck_t), intent(in) :: self
       type(group_t), intent(in) :: group
@@ -385,7 +387,7 @@ contains
       character(len=*), intent(in) :: group              !! Kind of the group, without &
       integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
-      real(wp), intent(in) :: value(:)                   !! Its values [SI]
+      real(wp), intent(in) :: value(:)                   !! Values of the key [SI]
       integer :: slot(2)
 
       slot = self%slot(group, place, key, kind_real)
@@ -402,7 +404,7 @@ contains
       character(len=*), intent(in) :: group              !! Kind of the group, without &
       integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
-      real(wp), intent(in) :: value                      !! Its value [SI]
+      real(wp), intent(in) :: value                      !! Value of the key [SI]
 
       call self%set_default(group, place, key, [value])
    end subroutine set_default_number

@@ -71,7 +71,7 @@ contains
       end do
    end subroutine check_groups
 
-   !> A group that is not in the deck must not have required keys.
+   !> Report the required keys of a group that is not in the deck.
    subroutine check_absent(rule, deck_file, problems)
       type(group_rule_t), intent(in) :: rule             !! Allowed values
       character(len=*), intent(in) :: deck_file          !! Name of the deck
@@ -158,8 +158,8 @@ contains
       type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       integer, intent(in) :: which                       !! Index of the group
       character(len=:), allocatable, intent(out) :: reason !! Follows the name of the key
-      logical, intent(out) :: sure                       !! False: a fault in another key hides it
-      logical, intent(out), optional :: commanded        !! Is it so by a value of the command line?
+      logical, intent(out) :: sure                       !! False: depends on a key that is in error
+      logical, intent(out), optional :: commanded !! Is it due to a value of the command line?
       integer :: i, other, owner, rule
 
       reason = ""

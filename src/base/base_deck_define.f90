@@ -24,8 +24,8 @@ module base_deck_define
    type :: definitions_t
       type(text_t), allocatable :: names(:)              !! In the order of the deck
       real(wp), allocatable :: values(:)                 !! Numbers in the units of the deck
-      integer, allocatable, private :: lines(:)          !! Position of the definition
-      logical, allocatable, private :: faulty(:)         !! Is their value a reported error?
+      integer, allocatable, private :: lines(:)          !! Line of each definition
+      logical, allocatable, private :: faulty(:)         !! Was an error in the value reported?
       integer, private :: system = 1                     !! Units of the deck
       type(text_t), allocatable, private :: later(:)     !! All names of the deck
    contains
@@ -102,7 +102,7 @@ contains
          if (fault /= "") call problems%error(file, line, "&define: "//piece%key//" = "// &
             as_written(used%tokens)//"  <- "//fault)
       end if
-      ! a name with an error is known as well, so that its uses are not reported too
+      ! a name whose value is in error is known as well, so that its uses are not reported too
       call append(self%names, piece%key)
       self%values = [self%values, value]
       self%lines = [self%lines, piece%line]
@@ -155,7 +155,7 @@ contains
    !> Cut a value of the command line into tokens.
    subroutine scan_value(text, piece)
       character(len=*), intent(in) :: text               !! Text as written
-      type(piece_t), intent(inout) :: piece              !! Gets the tokens, or is broken
+      type(piece_t), intent(inout) :: piece              !! Gets the tokens, or is marked as broken
       type(namelist_t) :: namelist
       type(problems_t) :: ignored
 

@@ -21,7 +21,7 @@ contains
    function echo(schema, groups, index) result(text)
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Their index
+      type(deck_index_t), intent(in) :: index            !! Index of the groups
       character(len=:), allocatable :: text
       type(buffer_t) :: buffer
       integer :: i, rule
@@ -40,7 +40,7 @@ contains
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
       integer, intent(in) :: rule                        !! Index of its rule
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Their index
+      type(deck_index_t), intent(in) :: index            !! Index of the groups
       integer, intent(in) :: which                       !! Index of the group
       type(buffer_t), intent(inout) :: buffer            !! Extended by the text
       integer :: k

@@ -12,7 +12,7 @@ module base_deck_group
 
    integer, parameter, public :: unset_integer = -huge(1) !! Value of an integer key that is not set
 
-   !> One group. Undeclared keys are like keys without a value.
+   !> One group. A key that is not declared is treated as a key without a value.
    type :: group_t
       character(len=:), allocatable :: group             !! Which group, without &
       character(len=:), allocatable :: title             !! Value of its key `name`, or empty
@@ -97,7 +97,7 @@ contains
       if (self%values(place)%valid) count = self%values(place)%count()
    end function group_count
 
-   !> Line of a key that is given, or else of the group.
+   !> Line of a key that is given; otherwise the line of the group.
    pure integer function group_line(self, key) result(line)
       class(group_t), intent(in) :: self
       character(len=*), intent(in), optional :: key
@@ -110,7 +110,7 @@ contains
       if (self%values(place)%given) line = self%values(place)%line
    end function group_line
 
-   !> File of a key that is given, or else of the group.
+   !> File of a key that is given; otherwise the file of the group.
    pure function group_file(self, key) result(file)
       class(group_t), intent(in) :: self
       character(len=*), intent(in), optional :: key
@@ -128,7 +128,7 @@ contains
    pure subroutine get_number(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), intent(out) :: value                     !! Its value [SI]
+      real(wp), intent(out) :: value                     !! Value of the key [SI]
       real(wp), allocatable :: values(:)
 
       call self%list(key, values)
@@ -140,7 +140,7 @@ contains
    pure subroutine get_numbers(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), intent(out) :: value(:)                  !! Its values [SI]
+      real(wp), intent(out) :: value(:)                  !! Values of the key [SI]
       real(wp), allocatable :: values(:)
       integer :: filled
 
@@ -154,7 +154,7 @@ contains
    pure subroutine list_numbers(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), allocatable, intent(out) :: value(:)     !! Its values [SI]
+      real(wp), allocatable, intent(out) :: value(:)     !! Values of the key [SI]
       integer :: place
 
       allocate (value(0))

@@ -15,7 +15,7 @@ module base_deck_index
    !> Index of a list of groups. A kind is the index of its rule in the schema.
    type :: deck_index_t
       integer, allocatable :: last_line(:)               !! (group) Last line before the next group
-      integer, allocatable, private :: before(:)         !! (kind) Groups of the kinds before
+      integer, allocatable, private :: before(:) !! (kind) Number of groups of all kinds before it
       integer, allocatable, private :: member(:)         !! Groups, sorted by kind
       integer, allocatable, private :: nameless(:)       !! (kind) Groups without a name
       integer(int64), allocatable, private :: key(:)     !! Hashes of kinds and names, sorted
@@ -56,10 +56,10 @@ contains
       call find_lines(groups, self%last_line)
    end subroutine index_build
 
-   !> The last line of each group: that before the next group of its file.
+   !> Find the last line of each group: the line before the next group of the same file.
    pure subroutine find_lines(groups, last_line)
       type(group_t), intent(in) :: groups(:)             !! All groups
-      integer, allocatable, intent(out) :: last_line(:)  !! (group) Greatest number if none follows
+      integer, allocatable, intent(out) :: last_line(:)  !! (group) huge if no group follows
       integer(int64) :: key(size(groups))
       integer :: order(size(groups)), last, n, next
 

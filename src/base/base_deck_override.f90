@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Values that the command line puts in place of those of the deck, `--set GROUP.KEY=VALUE`, or
-!! removes, `--unset GROUP.KEY`.
+!> Applies the options `--set GROUP.KEY=VALUE`, which replaces a value of the deck, and `--unset
+!! GROUP.KEY`, which removes it.
 module base_deck_override
    use base_deck_define, only: definitions_t, scan_value
    use base_deck_fill, only: report_unknown_key, start_group, store
@@ -15,16 +15,15 @@ module base_deck_override
 
    public :: override, removal_mark, split_assignment
 
-   !> Before GROUP.KEY that `--unset` removes.
+   !> Character before the GROUP.KEY that `--unset` removes.
    character(len=1), parameter :: removal_mark = "!"
 
 contains
 
-   !> Set one value of the command line in the groups.
+   !> Apply one `--set` or `--unset` of the command line to the groups.
    subroutine override(schema, text, definitions, system, problems, groups, filled)
       type(schema_t), intent(in) :: schema               !! Allowed values
-      !> GROUP.KEY=VALUE, GROUP[NAME].KEY=VALUE, or, with a mark before it, the name of a key to
-      !! remove
+      !> GROUP.KEY=VALUE or GROUP[NAME].KEY=VALUE; or, after `removal_mark`, the key to remove
       character(len=*), intent(in) :: text
       type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
@@ -79,7 +78,7 @@ contains
          problems, groups(which))
    end subroutine override
 
-   !> Say that there is no such group.
+   !> Report that there is no such group.
    subroutine unknown_group(schema, group, problems)
       type(schema_t), intent(in) :: schema               !! Allowed values
       character(len=*), intent(in) :: group              !! Text as written
@@ -91,7 +90,8 @@ contains
       call problems%error(command_line, 0, "unknown group &"//group//near)
    end subroutine unknown_group
 
-   !> Split GROUP[CHOICE].KEY=VALUE into its parts. The key is empty if it has not this form.
+   !> Split GROUP[CHOICE].KEY=VALUE into its parts. The key is empty if the text does not have this
+   !! form.
    pure subroutine split_assignment(text, group, choice, key, value)
       character(len=*), intent(in) :: text               !! Text as written
       character(len=:), allocatable, intent(out) :: group  !! Lower case
@@ -123,7 +123,7 @@ contains
       value = trim(adjustl(text(equals + 1:)))
    end subroutine split_assignment
 
-   !> Find the selected group; a group of which a deck may have one is created if absent.
+   !> Find the selected group; a group that may be given once is created if it is absent.
    subroutine choose(rule, choice, problems, groups, filled, which)
       type(group_rule_t), intent(in) :: rule             !! Allowed values
       character(len=*), intent(in) :: choice             !! Name or number in brackets, or empty
@@ -164,7 +164,7 @@ contains
       end if
    end subroutine choose
 
-   !> Put a value in the place of the one that a key had.
+   !> Replace the value of a key.
    subroutine put(rule, place, key, value, definitions, system, problems, group)
       type(group_rule_t), intent(in) :: rule             !! Allowed values
       integer, intent(in) :: place                       !! Index of the key

@@ -11,7 +11,7 @@ module base_deck_problems
    character(len=*), parameter, public :: command_line = "command line"
    integer, parameter :: most_reported = 200                 !! Longer reports are cut
 
-   !> A repeated body, whose errors would be found in each of its copies.
+   !> A repeated body. The same error would otherwise be reported for each of its copies.
    type :: repeated_t
       character(len=:), allocatable :: body !! Name, the start of the names of its copies
       character(len=:), allocatable :: region !! Name of its region, which is repeated too
@@ -22,7 +22,7 @@ module base_deck_problems
    type :: problem_t
       character(len=:), allocatable :: file              !! File and line
       integer :: line = 0                                !! Line of the file, 0 = none
-      logical :: is_error = .true.                       !! Or else a warning
+      logical :: is_error = .true.                       !! False: it is a warning
       character(len=:), allocatable :: text              !! Error and its remedy
       character(len=:), allocatable :: common            !! Part of the text common to all copies
       integer :: copies = 1                              !! Number of copies with this message
@@ -107,8 +107,8 @@ contains
       end do
    end function problems_about
 
-   !> From now on report an error in the copies of a body, NAME_1, NAME_2 and so on, or in their
-   !! regions, which have the same names, only once.
+   !> Report an error in the copies of a body, NAME_1, NAME_2 and so on, or in their regions of the
+   !! same names, only once from now on.
    pure subroutine problems_repeat(self, body, region, copies)
       class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: body               !! Name of the body
@@ -132,8 +132,8 @@ contains
       class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file
-      logical, intent(in) :: is_error                    !! Or else a warning
-      character(len=*), intent(in) :: text               !! Its text
+      logical, intent(in) :: is_error                    !! False: it is a warning
+      character(len=*), intent(in) :: text               !! Text of the message
       logical, intent(out) :: joined                     !! False: it is a new entry
       character(len=:), allocatable :: label, rest
       integer :: i, which
@@ -236,7 +236,7 @@ contains
       class(problems_t), intent(inout) :: self           !! The list, with the new counts
       character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
-      logical, intent(in) :: is_error                    !! Or else a warning
+      logical, intent(in) :: is_error                    !! False: it is a warning
       character(len=*), intent(in) :: text               !! Error and its remedy
       type(problem_t), allocatable :: longer(:)
       character(len=:), allocatable :: label, rest
@@ -297,7 +297,7 @@ contains
    !> One entry as a line.
    subroutine add_entry(problem, text, buffer)
       type(problem_t), intent(in) :: problem
-      character(len=*), intent(in) :: text               !! Its text
+      character(len=*), intent(in) :: text               !! Text of the message
       type(buffer_t), intent(inout) :: buffer            !! Where to append it
 
       call buffer%add(problem%file//":")

@@ -23,10 +23,10 @@ module base_deck_value
       integer :: line = 0                                !! Line of the key
       character(len=:), allocatable :: file              !! File of the key
       logical, allocatable :: filled(:)                  !! (index) Has a value
-      real(wp), allocatable :: numbers(:)                !! (index) Of a key of numbers [SI]
-      integer, allocatable :: integers(:)                  !! (index) Of a key of integers
-      logical, allocatable :: switches(:)                !! (index) Of a switch
-      type(text_t), allocatable :: texts(:)              !! (index) Of a key of texts
+      real(wp), allocatable :: numbers(:)                !! (index) Values of a key of numbers [SI]
+      integer, allocatable :: integers(:)                  !! (index) Values of a key of integers
+      logical, allocatable :: switches(:)                !! (index) Values of a switch
+      type(text_t), allocatable :: texts(:)              !! (index) Values of a key of texts
    contains
       procedure :: count => value_count                  !! Number of values
    end type value_t

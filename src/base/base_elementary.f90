@@ -8,9 +8,10 @@
 !! the exponential function, 0.9 of the logarithm and 0.8 of the power.
 !!
 !! Arguments are reduced to an interval around 1 or 0 by multiples of ln 2 in two parts (W. J. Cody,
-!! W. Waite, Software Manual for the Elementary Functions, 1980). There a polynomial approximates,
-!! and sums keep their rounding errors (T. J. Dekker, Numer. Math. 18 (1971) 224), as P. T. P. Tang
-!! (ACM Trans. Math. Softw. 15 (1989) 144 and 16 (1990) 378) does with tables.
+!! W. Waite, Software Manual for the Elementary Functions, 1980). On this interval a polynomial
+!! approximates the function, and the rounding errors of sums are added as corrections (T. J.
+!! Dekker, Numer. Math. 18 (1971) 224), as P. T. P. Tang (ACM Trans. Math. Softw. 15 (1989) 144 and
+!! 16 (1990) 378) does with tables.
 module base_elementary
    use base_kinds, only: int64, wp
    implicit none
@@ -19,7 +20,7 @@ module base_elementary
    public :: exponential, logarithm, power, take_exponentials, take_fast_powers, &
       take_logarithms, take_powers
 
-   !> Added to a number below 2**51 it leaves its nearest integer in the last bits.
+   !> Adding it to a number below 2**51 leaves the nearest integer in the last bits of the sum.
    real(wp), parameter :: shifter = 6755399441055744.0_wp
    integer(int64), parameter :: shifter_bits = 4843621399236968448_int64
    integer(int64), parameter :: bits_of_one = 4607182418800017408_int64 !! 1.0
@@ -52,7 +53,7 @@ contains
       x = min_of(max_of(high, least_exponent), greatest_exponent)
       rest = merge(low, 0.0_wp, abs(high) < 1000.0_wp)
       number = (x*per_ln2 + shifter) - shifter
-      ! The power of two in two factors, as neither is too large or too small then.
+      ! Two factors replace the power of two, which alone could overflow or underflow.
       half = 0.5_wp*number + shifter
       other = (number - (half - shifter)) + shifter
       x = x - number*ln2_high
@@ -108,8 +109,9 @@ contains
       logical :: small
       integer(int64) :: bits
 
-      ! The exponent field of a subnormal number is not its exponent. With a factor of 1 for normal
-      ! numbers the compiler would generate both branches.
+      ! The exponent field of a subnormal number is not its exponent, so small numbers are
+      ! multiplied by 2**54. The other factor is 1/2: with 1 the compiler would generate two
+      ! branches.
       small = x < 1.0e-290_wp
       bits = transfer(x*merge(two54, 0.5_wp, small), bits) - bits_of_root
       fraction = transfer(iand(bits, fraction_bits) + bits_of_root, fraction) - 1.0_wp
@@ -173,8 +175,7 @@ contains
    end function power_of_zero
 
    !> Power of any base. The logarithm is the sum of two numbers with an error of 2**-65, so that
-   !! the
-   !! power is as accurate where y ln(x) is large.
+   !! the power is also accurate where y ln(x) is large.
    elemental real(wp) function power_of_any(x, exponent, at_zero, at_infinity) result(value)
       real(wp), intent(in) :: x                            !! Base
       real(wp), intent(in) :: exponent                     !! Within its bounds
@@ -201,7 +202,7 @@ contains
    elemental subroutine find_long_logarithm(x, high, low)
       real(wp), intent(in) :: x                            !! Number above 0
       real(wp), intent(out) :: high                        !! Logarithm
-      real(wp), intent(out) :: low                         !! Its rounding error
+      real(wp), intent(out) :: low                         !! Rounding error of the result
       !> Coefficients of ((ln((1 + s)/(1 - s))/s - 2)/s**2 - 2/3)/s**2 as a polynomial of s**2.
       real(wp), parameter :: c(8) = [0.4_wp, 0.2857142857142937_wp, 0.22222222221652765_wp, &
          0.18181818336099848_wp, 0.1538459488700718_wp, 0.1333480879881234_wp, &
@@ -272,7 +273,7 @@ contains
    !> Powers with one exponent; they overwrite their bases.
    pure subroutine take_powers(count, exponent, x)
       integer, intent(in) :: count                         !! Numbers
-      real(wp), intent(in) :: exponent                     !! Of all bases
+      real(wp), intent(in) :: exponent                     !! Common exponent of all bases
       real(wp), contiguous, intent(inout) :: x(:)          !! (at least count)
       real(wp) :: bounded, at_zero, at_infinity
       integer :: i
@@ -286,12 +287,12 @@ contains
       end do
    end subroutine take_powers
 
-   !> Powers with one exponent, which overwrite their bases, in less than half of the time: exp(y
-   !! ln(x)), with an error of about 1 + |y ln(x)| units in the last place. The power of 0 is 0 if
-   !! the exponent is above 0.01.
+   !> Powers with one exponent, which overwrite their bases, as exp(y ln(x)). This takes less than
+   !! half of the time of `take_powers`; the error is about 1 + |y ln(x)| units in the last place.
+   !! The power of 0 is 0 if the exponent is above 0.01.
    pure subroutine take_fast_powers(count, exponent, x)
       integer, intent(in) :: count                         !! Numbers
-      real(wp), intent(in) :: exponent                     !! Of all bases
+      real(wp), intent(in) :: exponent                     !! Common exponent of all bases
       real(wp), contiguous, intent(inout) :: x(:)          !! (at least count)
       real(wp), parameter :: least = -1.0e5_wp
       integer :: i

@@ -13,7 +13,7 @@ module base_exact_sum
 
    public :: exact_sum_t
 
-   integer, parameter :: top = 68 !! Last limb; capacity for 2^70 greatest terms
+   integer, parameter :: top = 68 !! Index of the last limb; holds 2^70 largest terms
    integer, parameter, public :: exact_sum_words = top + 4 !! Integers that store a sum
    integer, parameter :: mantissa_bits = 52              !! Stored bits of a real number
    integer(int64), parameter :: limb_mask = 2_int64**32 - 1_int64
@@ -75,8 +75,8 @@ contains
    !> Count a term that is not finite.
    pure subroutine count_special(special, undefined, negative)
       integer(int64), intent(inout) :: special(3)            !! Counts
-      logical, intent(in) :: undefined                   !! Is it NaN?
-      logical, intent(in) :: negative                    !! Is it negative?
+      logical, intent(in) :: undefined                   !! Is the sum NaN?
+      logical, intent(in) :: negative                    !! Is the sum negative?
 
       if (undefined) then
          special(1) = special(1) + 1_int64
@@ -186,7 +186,8 @@ contains
             ibits(limbs((last - 1)/32), 0, mod(last - 1, 32)) /= 0_int64
          if (half .and. (rest .or. btest(mantissa, 0))) mantissa = mantissa + 1_int64
       end if
-      ! The hidden bit, if there, raises the exponent by one, as does a carry out of the mantissa.
+      ! The hidden bit, if it is set, raises the exponent by one, and so does a carry out of the
+      ! mantissa.
       number = transfer(shiftl(int(last, int64), mantissa_bits) + mantissa, number)
    end function rounded
 

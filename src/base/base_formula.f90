@@ -44,7 +44,7 @@ module base_formula
       integer :: stack = 0                               !! Values on the stack so far
       type(text_t), allocatable :: names(:)              !! Names of the variables
       character(len=:), allocatable :: fault             !! First error, empty if there is none
-      integer :: fault_place = 0                         !! Its letter
+      integer :: fault_place = 0                         !! Position of the wrong letter
    end type parser_t
 
 contains
@@ -174,7 +174,7 @@ contains
       end do
    end subroutine parse_product
 
-   !> Parse a power with optional signs, which bind less than the power.
+   !> Parse a power with optional signs, which have lower precedence than the power.
    recursive subroutine parse_signed(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
       type(parser_t), intent(inout) :: parser

@@ -154,7 +154,7 @@ contains
    !> Rounded or absolute value of a number.
    pure real(wp) function rounded_value(name, value) result(near)
       character(len=*), intent(in) :: name           !! Name of the function
-      real(wp), intent(in) :: value                  !! Its argument
+      real(wp), intent(in) :: value                  !! Argument of the function
 
       near = value
       if (name == "abs") near = abs(value)

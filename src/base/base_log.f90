@@ -52,7 +52,7 @@ module base_log
       real(wp) :: step_length = 0.0_wp                   !! Time step [s]
       real(wp) :: kinetic = 0.0_wp                       !! Kinetic energy [J]
       real(wp) :: energy_error = 0.0_wp                  !! Relative error of the energy ledger
-      integer(int64) :: particles = 0                    !! On all ranks
+      integer(int64) :: particles = 0                    !! Number of particles on all ranks
       real(wp) :: updates_per_second = 0.0_wp            !! Particle updates a second [1/s]
       real(wp) :: seconds_left = 0.0_wp !! Remaining wall time [s], negative: not known
    end type progress_t

@@ -38,12 +38,12 @@ module base_namelist
    !> One group.
    type :: block_t
       character(len=:), allocatable :: name              !! Lower case
-      character(len=:), allocatable :: file              !! Its file
+      character(len=:), allocatable :: file              !! File of the group
       integer :: line = 0                                !! Line of its name
-      integer :: first = 0                               !! Its first letter in the text
-      integer :: last = 0                                !! Its last letter in the text
+      integer :: first = 0                               !! First letter of the group in the text
+      integer :: last = 0                                !! Last letter of the group in the text
       logical :: broken = .false.                        !! May parts be missing after an error?
-      type(piece_t), allocatable :: pieces(:)            !! Its assignments
+      type(piece_t), allocatable :: pieces(:)            !! Assignments of the group
    end type block_t
 
    !> All groups of a text.
@@ -61,7 +61,7 @@ contains
    subroutine namelist_scan(self, text, file, problems)
       class(namelist_t), intent(out) :: self
       character(len=*), intent(in) :: text               !! All lines
-      character(len=*), intent(in) :: file               !! Its name, for messages
+      character(len=*), intent(in) :: file               !! Name of the file, for messages
       type(problems_t), intent(inout) :: problems        !! Collects errors
       type(scanner_t) :: scanner
       type(lexeme_t) :: found
@@ -116,7 +116,8 @@ contains
       call append(files, file)
    end subroutine add_file
 
-   !> Read one group up to its slash, or to where the slash must be missing.
+   !> Read one group up to its slash. If the slash is missing, the group ends before the next group
+   !! or at the end of the file.
    subroutine scan_group(self, scanner, head, problems)
       class(namelist_t), intent(inout) :: self           !! Gets the group
       type(scanner_t), intent(inout) :: scanner          !! After the name of the group

@@ -104,7 +104,8 @@ contains
       self%at = word%first
    end subroutine scanner_back
 
-   !> Next word. In a group the end of an included file gives nothing, so that no group crosses it.
+   !> Next word. Within a group the end of an included file gives `word_nothing`, so that no group
+   !! continues beyond its file.
    subroutine scanner_next(self, word, problems)
       class(scanner_t), intent(inout) :: self
       type(lexeme_t), intent(out) :: word
@@ -200,7 +201,8 @@ contains
       end do
    end subroutine skip_marks
 
-   !> Read a text in quotes. It ends in its line; if not, the line is lost and this is reported.
+   !> Read a text in quotes. It must end in its line; if it does not, the rest of the line is
+   !! skipped and, within a group, an error is reported.
    subroutine read_quoted(self, word, problems)
       class(scanner_t), intent(in) :: self               !! At the opening quote
       type(lexeme_t), intent(inout) :: word              !! The word, with its start
@@ -226,7 +228,8 @@ contains
          self%rest_of_line(self%at))
    end subroutine read_quoted
 
-   !> Read an expression in braces. It ends in its line; if not, the line is lost.
+   !> Read an expression in braces. It must end in its line; if it does not, the rest of the line is
+   !! skipped.
    subroutine read_formula(self, word, problems)
       class(scanner_t), intent(in) :: self               !! At the opening brace
       type(lexeme_t), intent(inout) :: word              !! The word, with its start

@@ -13,7 +13,7 @@ module base_place_formula
 
    public :: compile_place_formula, convert_formula
 
-   character(len=*), parameter :: variables = "x y z"    !! Of all such formulas
+   character(len=*), parameter :: variables = "x y z"    !! Variables of all such formulas
 
 contains
 
@@ -76,7 +76,7 @@ contains
    !> A formula times a power of ten.
    pure function shifted(formula, exponent) result(text)
       character(len=*), intent(in) :: formula            !! Value
-      integer, intent(in) :: exponent                    !! Of ten
+      integer, intent(in) :: exponent                    !! Power of ten
       character(len=:), allocatable :: text
 
       text = formula

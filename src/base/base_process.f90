@@ -52,7 +52,7 @@ module base_process
          import :: c_int, c_int64_t, c_size_t
          implicit none
          integer(c_int), value :: thread                 !! 0: this one
-         integer(c_size_t), value :: bytes               !! Of the mask
+         integer(c_size_t), value :: bytes               !! Number of bytes of the mask
          integer(c_int64_t), intent(inout) :: mask(*)    !! Bit n: processor n
          integer(c_int) :: status
       end function c_sched_getaffinity
@@ -63,7 +63,7 @@ module base_process
          import :: c_int, c_int64_t, c_size_t
          implicit none
          integer(c_int), value :: thread                 !! 0: this one
-         integer(c_size_t), value :: bytes               !! Of the mask
+         integer(c_size_t), value :: bytes               !! Number of bytes of the mask
          integer(c_int64_t), intent(in) :: mask(*)       !! Bit n: processor n
          integer(c_int) :: status
       end function c_sched_setaffinity
@@ -177,8 +177,8 @@ contains
 
    !> Processors on which the threads of this rank may run: bit n, counted through the words, is
    !! processor n. All zero if they are not known. With `OMP_PROC_BIND` OpenMP binds the first
-   !! thread to its own place, so the mask of that thread is not the one of the rank: that is the
-   !! union of the OpenMP place list.
+   !! thread to one entry of its place list. The mask of this thread is then smaller than that of
+   !! the rank, which is the union of all entries of the list.
    function allowed_processors() result(mask)
       integer(int64), allocatable :: mask(:)
       integer, allocatable :: members(:)
@@ -199,7 +199,7 @@ contains
       if (c_sched_getaffinity(0_c_int, int(8*mask_words, c_size_t), mask) /= 0) mask = 0
    end function allowed_processors
 
-   !> Identity of this node, the same for all its processes: that of the last start of its kernel.
+   !> Identity of this node, the same for all its processes: the boot identifier of its kernel.
    !! Empty if it is not known.
    function node_name() result(name)
       character(len=64) :: name
@@ -216,11 +216,12 @@ contains
 
    !> Restart this program in the same process, so that its libraries read the environment again.
    !! Returns only if that is not possible. The new program inherits the processors of the first
-   !! thread; with `OMP_PROC_BIND` these are one place, to which all its threads would be bound.
+   !! thread; with `OMP_PROC_BIND` these are one entry of the OpenMP place list, to which all
+   !! threads of the new program would be bound.
    subroutine restart_process(path, name, arguments)
       character(len=*), intent(in) :: path               !! Path of the program
       character(len=*), intent(in) :: name               !! Name under which it was called
-      type(text_t), intent(in) :: arguments(:)           !! Of the command line
+      type(text_t), intent(in) :: arguments(:)           !! Arguments of the command line
       character(len=:), allocatable, target :: letters
       type(c_ptr), allocatable :: pointers(:)
       integer, allocatable :: first(:)

@@ -38,7 +38,7 @@ module base_schema
    !> One key.
    type :: key_t
       character(len=:), allocatable :: group             !! Group of the key
-      character(len=:), allocatable :: name              !! As in the deck
+      character(len=:), allocatable :: name              !! Name as in the deck
       integer :: kind = kind_real                        !! One of the constants above
       integer :: number_of_values = 1                    !! Greatest number of values
       logical :: exact = .true.                          !! All values must be given
@@ -50,13 +50,13 @@ module base_schema
       logical :: required = .false.                      !! Must be given where it applies
       character(len=:), allocatable :: target            !! Group whose names it refers to
       type(text_t), allocatable :: words(:)              !! Texts that are allowed, empty: any
-      type(text_t), allocatable :: meanings(:)           !! Of presets: name and title, for hints
+      type(text_t), allocatable :: meanings(:)           !! Names and titles of presets, for hints
       type(condition_t), allocatable :: owners(:)        !! All must be true
    end type key_t
 
    !> One group.
    type :: group_rule_t
-      character(len=:), allocatable :: name              !! As in the deck, without &
+      character(len=:), allocatable :: name              !! Name as in the deck, without &
       character(len=:), allocatable :: doc               !! Meaning
       logical :: many = .false.                          !! May be given more than once
       type(key_t), allocatable :: keys(:)                !! In the order of the echo
@@ -93,7 +93,7 @@ contains
    !> Declare a group, or add to it if it is declared already.
    subroutine schema_group(self, name, doc, many)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: name               !! As in the deck, without &
+      character(len=*), intent(in) :: name               !! Name as in the deck, without &
       character(len=*), intent(in) :: doc                !! Meaning
       logical, intent(in), optional :: many              !! May be given more than once
       type(group_rule_t), allocatable :: longer(:)
@@ -117,8 +117,8 @@ contains
       character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
-      character(len=*), intent(in), optional :: unit     !! Of SI, or deg; without: 1
-      character(len=*), intent(in), optional :: default  !! In SI
+      character(len=*), intent(in), optional :: unit     !! Unit in SI, or deg; default: 1
+      character(len=*), intent(in), optional :: default  !! Default in SI
       character(len=*), intent(in), optional :: range    !! In SI: > 0, >= 0 < 1
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t) :: key
@@ -173,7 +173,7 @@ contains
       character(len=*), intent(in), optional :: default  !! Without quotes
       character(len=*), intent(in), optional :: words    !! Allowed words, separated by blanks
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
-      character(len=*), intent(in), optional :: unit     !! Of the value of a formula
+      character(len=*), intent(in), optional :: unit     !! Unit of the value of a formula
       type(key_t) :: key
       logical :: known
 
@@ -193,8 +193,8 @@ contains
       character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
-      character(len=*), intent(in), optional :: default  !! In SI
-      character(len=*), intent(in), optional :: range    !! In SI
+      character(len=*), intent(in), optional :: default  !! Default in SI
+      character(len=*), intent(in), optional :: range    !! Range in SI
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t), allocatable :: longer(:)
       integer :: place
@@ -317,7 +317,7 @@ contains
       end associate
    end subroutine schema_words
 
-   !> True if a key is declared already; its first condition then allows one more word.
+   !> True if a key is declared already; then its first condition accepts one more word.
    logical function schema_extend_owner(self, group, name, word) result(declared)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group, name, word  !! Group and key; the further word
@@ -368,7 +368,7 @@ contains
       call move_alloc(longer, self%presets)
    end subroutine schema_preset
 
-   !> Keys that must be given where they apply.
+   !> Declare that some keys of a group must be given where they apply.
    subroutine schema_require(self, group, names)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Their group
@@ -395,7 +395,7 @@ contains
       if (place(1) > 0) self%groups(place(1))%keys(place(2))%range%hint = hint
    end subroutine schema_explain_range
 
-   !> Say that the texts of a key are names of groups of another kind.
+   !> Declare that the texts of a key are names of groups of another kind.
    subroutine schema_refer(self, group, name, target)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group of the key
@@ -422,7 +422,7 @@ contains
       call record_mistake(self, group//"."//name//", which is not declared")
    end function schema_locate
 
-   !> Note a mistake in a declaration; the first one is kept.
+   !> Record a mistake in a declaration. Only the first one is kept.
    subroutine record_mistake(self, what)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: what               !! Error message

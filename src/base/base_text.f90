@@ -202,7 +202,7 @@ contains
       end do
    end function closest
 
-   !> The first word of the text that has most words in common with another one, or an empty text:
+   !> The name in the entry that has most words in common with a text, or an empty text:
    !! aluminium_6061 is closest to "al_6061_t6 aluminium 6061-T6".
    pure function closest_meaning(word, meanings) result(best)
       character(len=*), intent(in) :: word               !! Text of the user

@@ -26,7 +26,7 @@ module base_timer
          import :: c_int, time_t
          implicit none
          integer(c_int), value :: clock                  !! Name
-         type(time_t), intent(out) :: time               !! Its time
+         type(time_t), intent(out) :: time               !! Time of the clock
          integer(c_int) :: status
       end function clock_gettime
    end interface
@@ -36,7 +36,7 @@ module base_timer
       character(len=name_length) :: name = ""            !! As in the table
       integer(int64) :: started = 0                      !! Clock at the last start
       integer(int64) :: ticks = 0                        !! Clock ticks so far
-      integer(int64) :: calls = 0                        !! How often stopped
+      integer(int64) :: calls = 0                        !! Number of calls
    end type phase_t
 
    !> Times of named phases on this rank.
@@ -44,7 +44,7 @@ module base_timer
       type(phase_t), private :: phases(most_phases)      !! In the order of their first use
       integer, private :: filled = 0                     !! Phases in use
       integer, private :: open(0:most_deep) = 0          !! (depth) Running phases, inner last
-      integer, private :: depth = 0                      !! How many of them
+      integer, private :: depth = 0                      !! Number of running phases
    contains
       procedure :: phase => timer_phase                  !! Number of a phase, new or known
       procedure :: start => timer_start                  !! Start a phase
@@ -133,7 +133,7 @@ contains
       phase%ticks = phase%ticks + ticks - phase%started
    end subroutine close_interval
 
-   !> Move seconds of one phase to another, if the phase of some work is known only afterwards.
+   !> Move seconds of one phase to another, for work whose phase is known only afterwards.
    subroutine timer_move(self, from, to, seconds)
       class(timer_t), intent(inout) :: self
       integer, intent(in) :: from                        !! Loses them
@@ -196,8 +196,8 @@ contains
       seconds = real(self%phases(index)%ticks, wp)/real(rate, wp)
    end function timer_seconds
 
-   !> Seconds of all phases over the ranks, and in the last element those outside of all phases.
-   !! Collective; all ranks must know the same phases.
+   !> Seconds of all phases, their minimum, mean and maximum over the ranks; the last element of
+   !! each is the time outside of all phases. Collective; all ranks must know the same phases.
    subroutine timer_spread(self, communicator, total, least, mean, greatest)
       class(timer_t), intent(in) :: self
       type(communicator_t), intent(in) :: communicator

@@ -18,7 +18,7 @@ module base_unit_words
 
    !> A unit as the user wrote it.
    type :: written_unit_t
-      real(wp) :: power(4) = 0.0_wp                      !! Of length, time, mass, temperature
+      real(wp) :: power(4) = 0.0_wp !! Powers of length, time, mass, temperature
       real(wp) :: angle = 0.0_wp                         !! Power of the angle
       real(wp) :: exponent = 0.0_wp                      !! Decimal exponent of the conversion to SI
       real(wp) :: factor = 1.0_wp                        !! Other factor; angles in radians
@@ -28,7 +28,7 @@ module base_unit_words
    !> One symbol.
    type :: symbol_t
       character(len=3) :: name                           !! As written, in letters of its case
-      integer :: power(4)                                !! Of length, time, mass, temperature
+      integer :: power(4) !! Powers of length, time, mass, temperature
       integer :: exponent                                !! Decimal exponent of the conversion to SI
       logical :: prefix                                  !! May have a prefix
    end type symbol_t
@@ -193,7 +193,7 @@ contains
    pure subroutine find_symbol(name, which, exponent)
       character(len=*), intent(in) :: name               !! With its prefix
       integer, intent(out) :: which                      !! The symbol, 0 if there is none
-      integer, intent(out) :: exponent                   !! Of the prefix
+      integer, intent(out) :: exponent                   !! Exponent of the prefix
       integer :: n
 
       exponent = 0

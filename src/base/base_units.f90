@@ -45,7 +45,7 @@ module base_units
 
    !> A unit of SI as powers of its base units. Angles stay in degrees and have no dimension here.
    type :: unit_t
-      real(wp) :: power(4) = 0.0_wp                      !! Of length, time, mass, temperature
+      real(wp) :: power(4) = 0.0_wp !! Powers of length, time, mass, temperature
    contains
       procedure :: exponent => unit_exponent             !! Decimal exponent of the conversion to SI
    end type unit_t
@@ -70,7 +70,7 @@ contains
 
    !> Number of a system of units, 0 if there is none of that name.
    pure integer function system_number(name) result(system)
-      character(len=*), intent(in) :: name               !! As in the deck
+      character(len=*), intent(in) :: name               !! Name as in the deck
 
       do system = size(system_names), 1, -1
          if (system_names(system) == name) return
@@ -165,11 +165,12 @@ contains
       if (known .and. self%system /= system_si) factor = 10.0_wp**nint(unit%exponent(self%system))
    end function output_factor
 
-   !> A number of SI in the unit of a system, rounded once, as powers of ten above one are exact.
+   !> A number in SI converted to the unit of a system. It is multiplied or divided by a power of
+   !! ten that is exact, so that it is rounded only once.
    elemental real(wp) function output_shown(self, value, unit_text) result(shown)
       class(output_units_t), intent(in) :: self
       real(wp), intent(in) :: value                      !! The number [SI]
-      character(len=*), intent(in) :: unit_text          !! Its unit of SI
+      character(len=*), intent(in) :: unit_text          !! SI unit of the key
       type(unit_t) :: unit
       integer :: exponent
       logical :: known

@@ -45,7 +45,7 @@ contains
       if (group%given("weibull_volume")) call group%get("weibull_volume", weibull%volume)
    end subroutine read_weibull
 
-   !> Random number of mean 1 that is distributed as exp(-x).
+   !> Exponentially distributed random number of mean 1.
    elemental real(wp) function random_exponential(seed, identity) result(number)
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
       integer(int64), intent(in) :: identity         !! Identity of the particle
@@ -55,13 +55,13 @@ contains
       number = -logarithm(random_uniform(seed, identity, draw))
    end function random_exponential
 
-   !> Strength of particles over the characteristic one, (-ln U V0/V)**(1/m). Equation (F.5) of
-   !! doc/theory/failure.md.
+   !> Strength of particles divided by the characteristic strength, (-ln U V0/V)**(1/m). Equation
+   !! (F.5) of doc/theory/failure.md.
    pure subroutine draw_weibull(weibull, density, seed, identity, first, last, mass, scatter)
       type(weibull_t), intent(in) :: weibull         !! Modulus and volume
       real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
@@ -76,8 +76,8 @@ contains
       end do
    end subroutine draw_weibull
 
-   !> No principal value of the deviator is above this: 2/3 of the equivalent stress. With it most
-   !! particles need no search for their axes.
+   !> Upper bound of the principal values of the deviator: 2/3 of the equivalent stress. Where the
+   !! bound is below the strength, as for most particles, principal values need not be computed.
    pure subroutine bound_deviator(first, last, stress, bound)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -13,7 +13,7 @@ module constitutive_damage
 
    public :: damage_t
 
-   !> A damage model. The flag of failure is set by the material where damage has reached 1.
+   !> A damage model. The material sets the flag of failure where damage has reached 1.
    type, abstract :: damage_t
       real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
@@ -25,7 +25,7 @@ module constitutive_damage
       procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
       procedure :: needs_weibull => damage_needs_weibull !! True if it needs a Weibull modulus
       procedure :: uses_jc_rate => damage_uses_jc_rate !! True if it reads the key jc_rate
-      !> True if the law holds for failed material
+      !> True if the law of strength also gives the stress of failed material
       procedure :: leaves_strength => damage_leaves_strength
       procedure(read_i), deferred :: read            !! Reads its keys
       procedure(request_i), deferred :: request      !! Requests the fields it needs
@@ -56,8 +56,8 @@ module constitutive_damage
          class(field_requests_t), intent(inout) :: requests
       end subroutine request_i
 
-      !> On entry the stress holds the deviator after the law, and pressure and plastic increment
-      !! are those after the step.
+      !> On entry the stress holds the deviator that the law of strength has corrected; pressure and
+      !! plastic increment are those after the step.
       pure subroutine update_i(self, state, deformation, first, last, dt)
          import :: damage_t, deformation_t, material_state_t, wp
          implicit none
@@ -82,7 +82,7 @@ contains
       text = ""
    end function damage_fault
 
-   !> True if the model uses the plastic strain, so that the law must flow.
+   !> True if the model uses the plastic strain, so that it needs a law with plastic flow.
    pure logical function damage_needs_flow(self) result(needs)
       class(damage_t), intent(in) :: self
 
@@ -96,7 +96,7 @@ contains
       takes = .false.
    end function damage_takes_scatter
 
-   !> True if the model needs a Weibull modulus: where strength scatters, or in any case.
+   !> True if the model needs a Weibull modulus; by default if its strength scatters.
    pure logical function damage_needs_weibull(self, scatter) result(needs)
       class(damage_t), intent(in) :: self
       logical, intent(in) :: scatter                           !! Switch size_scatter of &effects
@@ -123,7 +123,7 @@ contains
    pure subroutine damage_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_t), intent(in) :: self
       integer(int64), intent(in) :: seed                       !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:)    !! Of the particles (store)
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
       real(wp), contiguous, intent(in) :: mass(:)              !! (store) [kg]

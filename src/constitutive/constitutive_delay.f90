@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Delay of failure under a load above the strength: cracks nucleate and grow, the faster the
-!! greater the load. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
+!> Delay of failure under a load above the strength: cracks nucleate and grow, and a greater load
+!! makes them grow faster. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
 !!
 !!    dD/dt = x**n/tau,    x = load over strength - 1 > 0,    failed at D = 1.
 !!
-!! n = 0 is a constant delay; then no particle carries its overload x. Equations (F.3) and (F.4)
-!! of doc/theory/failure.md.
+!! n = 0 gives a constant delay; then the overload x is not a field of the particles. Equations
+!! (F.3) and (F.4) of doc/theory/failure.md.
 module constitutive_delay
    use base_deck_group, only: group_t
    use base_elementary, only: power
@@ -17,12 +17,12 @@ module constitutive_delay
 
    public :: age_damage, declare_delay, delay_fault, delay_t, mean_power
 
-   !> Greatest overload that counts: a greater load fails at once, and powers stay finite.
+   !> Upper bound of the overload. Material at this bound fails at once, and powers remain finite.
    real(wp), parameter :: most_overload = 1.0e9_wp
 
    !> Delay of failure.
    type :: delay_t
-      real(wp) :: time = 0.0_wp                      !! To failure at twice the strength, tau [s]
+      real(wp) :: time = 0.0_wp !! Time to failure at twice the strength, tau [s]
       real(wp) :: power = 0.0_wp                     !! n [1]
    contains
       procedure :: read => delay_read                !! Reads its keys
@@ -95,7 +95,8 @@ contains
       real(wp), intent(in) :: before                 !! Overload before the step [1]
       real(wp), intent(in) :: now                    !! After it [1]
       real(wp), intent(in) :: n                      !! Exponent [1]
-      ! Below this the difference of powers loses more digits than the series leaves out.
+      ! For a smaller relative change the rounding error of the difference of powers exceeds the
+      ! truncation error of the series.
       real(wp), parameter :: narrow = 1.0e-3_wp
       real(wp) :: lower, upper, middle, width
 
@@ -120,7 +121,7 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(in) :: load(:)    !! Over strength, after the step (range) [1]
-      real(wp), contiguous, intent(inout) :: overload(:) !! Of the previous step, on return of this
+      real(wp), contiguous, intent(inout) :: overload(:) !! Of the last step in, of this step out
       real(wp), contiguous, intent(inout) :: damage(:) !! (store) [1]
       integer :: i, k
 

@@ -8,13 +8,13 @@ module constitutive_effects
 
    public :: effects_t
 
-   !> The switches. They are used while materials are read only; an effect that is on is an
-   !! allocated component of the material afterwards.
+   !> The switches. They are used only while materials are read; afterwards an effect that is on is
+   !! an allocated component of the material.
    type :: effects_t
       logical :: strength = .true.                   !! Stress has a deviator
-      logical :: eos = .true. !! Pressure from an equation of state, else of the bulk modulus
+      logical :: eos = .true. !! Pressure from an equation of state, else from the bulk modulus
       logical :: damage = .false.                    !! Particles fail permanently
-      logical :: size_scatter = .false.              !! Their strength scatters
+      logical :: size_scatter = .false.              !! Strength of particles scatters
       logical :: voids = .false.                     !! Volume includes voids
       logical :: thermal = .false.                   !! Temperature follows the work
       logical :: melting = .false.                   !! No strength when melted

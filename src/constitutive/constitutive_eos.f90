@@ -12,7 +12,7 @@ module constitutive_eos
 
    public :: eos_t
 
-   !> An equation of state. The material holds none if the mean stress follows a rate form.
+   !> An equation of state. A material has none if its mean stress follows a rate equation.
    type, abstract :: eos_t
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
       real(wp) :: distension = 1.0_wp !! Initial distension, solid density over density [1]
@@ -31,13 +31,14 @@ module constitutive_eos
       procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
       procedure :: gives_temperature => eos_gives_temperature !! True if it gives the temperature
       procedure :: find_temperature => eos_find_temperature !! Temperature, if it gives it
-      procedure :: starts_with_energy => eos_starts_with_energy !! True if material has some at rest
+      !> True if material at rest has energy
+      procedure :: starts_with_energy => eos_starts_with_energy
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
       procedure :: report => eos_report              !! Note for the user
       procedure :: fault_of_state => eos_fault_of_state !! Why a state has no pressure
       procedure :: detonates => eos_detonates        !! True for the products of an explosive
       procedure :: detonation => eos_detonation      !! Speed, and volume behind the front
-      !> Detonation speed of its constants
+      !> Chapman-Jouguet speed of the products
       procedure :: chapman_jouguet_speed => eos_chapman_jouguet_speed
    end type eos_t
 
@@ -81,8 +82,8 @@ contains
       type(schema_t), intent(inout) :: schema
    end subroutine eos_declare
 
-   !> Read the keys that belong to the equation of state. Its density is set before, its bulk
-   !! modulus after this by the material, unless its own keys give it.
+   !> Read the keys that belong to the equation of state. The material sets the density before this
+   !! call, and the bulk modulus after it unless the keys of the equation of state give it.
    pure subroutine eos_read(self, group)
       class(eos_t), intent(inout) :: self
       type(group_t), intent(in) :: group                       !! &material

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Common parts of laws whose strength grows with the pressure.
 !!
-!! The pressure is that of the equation of state and follows the density: material that has
-!! separated supports no stress until it has its density again. With an angle of dilation, shear
-!! increases the volume permanently; this volume is a state variable and does not enter the
-!! pressure.
+!! The pressure is that of the equation of state and follows the density: separated material
+!! supports no stress until its density is restored. With an angle of dilation, shear increases the
+!! volume permanently; this volume is a state variable and does not enter the pressure.
 module constitutive_friction
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -38,7 +37,7 @@ module constitutive_friction
    contains
       procedure :: follows_density => frictional_follows_density !! Its pressure does
       procedure :: request => frictional_request     !! Requests the volume gained by shear
-      !> Shear, where not separated
+      !> Shear modulus, where material is not separated
       procedure :: add_wave_speed => frictional_add_wave_speed
       procedure :: least_pressure => frictional_least_pressure !! That of the apex
    end type frictional_t
@@ -148,8 +147,8 @@ contains
       end if
    end subroutine frictional_add_wave_speed
 
-   !> Kernel of the above. At the least pressure the shear modulus contributes the fraction G/K of
-   !! the wave speed of volume changes.
+   !> Kernel of the above. At the least pressure, where material may be separated, the square of the
+   !! wave speed increases at most by the fraction 4/3 G/K.
    pure subroutine add_joined_shear_speed(first, last, shear, bulk, apex, mass, volume, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
@@ -184,7 +183,7 @@ contains
       real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: wave_speed(:)    !! Its square (range) [m2/s2]
+      real(wp), contiguous, intent(in) :: wave_speed(:) !! Square of the wave speed (range) [m2/s2]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: tangent(:)    !! c**2 exp(gained) (range) [m2/s2]
       integer :: i, k
@@ -202,7 +201,7 @@ contains
    pure subroutine add_dilation(first, last, share, gained)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(inout) :: share(:) !! Of the step, lost on return (range) [1]
+      real(wp), contiguous, intent(inout) :: share(:) !! Of the step; overwritten (range) [1]
       real(wp), contiguous, intent(inout) :: gained(:) !! Logarithm of the volume (store) [1]
       integer :: i
 

@@ -20,30 +20,29 @@ module constitutive_hardening
    real(wp), parameter :: least_strain = 1.0e-100_wp
 
    !> Particles of a group that may flow. The yield stress of an increment x is
-   !! min(limit_static + amplitude (argument + growth x)**exponent, greatest), times a factor of the
-   !! rate.
+   !! min(fixed + amplitude (argument + growth x)**exponent, greatest), times a rate factor.
    type :: flow_lanes_t
       integer :: count = 0                           !! Lanes in use
       integer :: place(most_lanes)                   !! Position of a lane in its group
       real(wp) :: trial(most_lanes)                  !! Equivalent trial stress, above 0 [Pa]
       real(wp) :: stiffness(most_lanes)              !! 3 G of the trial, above 0 [Pa]
-      real(wp) :: fixed(most_lanes)                  !! Part of the yield stress that stays [Pa]
-      real(wp) :: amplitude(most_lanes)              !! Of the power [Pa]
+      real(wp) :: fixed(most_lanes) !! Part of the yield stress without hardening [Pa]
+      real(wp) :: amplitude(most_lanes)              !! Factor of the power [Pa]
       real(wp) :: argument(most_lanes)               !! Base of the power at the start [1]
-      real(wp) :: greatest(most_lanes)               !! Bound of the yield stress at rest [Pa]
+      real(wp) :: greatest(most_lanes)               !! Bound of the static yield stress [Pa]
       real(wp) :: increment(most_lanes)              !! Plastic increment (out) [1]
       real(wp) :: limit(most_lanes)                  !! Equivalent stress after the step (out) [Pa]
       real(wp) :: lower(most_lanes)                  !! Increment that is too small [1]
       real(wp) :: upper(most_lanes)                  !! Increment that is too large [1]
-      real(wp) :: factor(most_lanes)                 !! Of the rate [1]
-      real(wp) :: tilt(most_lanes)                   !! Its derivative to the increment [1]
+      real(wp) :: factor(most_lanes)                 !! Rate factor [1]
+      real(wp) :: tilt(most_lanes)                   !! Derivative of the rate factor [1]
       real(wp) :: going(most_lanes) !! 1 until the lane has converged, then 0
    end type flow_lanes_t
 
    !> Constants of hardening, the same for all lanes.
    type, public :: hardening_power_t
       real(wp) :: exponent = 1.0_wp                  !! Exponent of the power [1]
-      real(wp) :: growth = 1.0_wp                    !! Of its base with the increment [1]
+      real(wp) :: growth = 1.0_wp                    !! Growth of the base per plastic increment [1]
       real(wp) :: rate_coefficient = 0.0_wp          !! C of the factor 1 + C ln(x/x0), 0: none [1]
       real(wp) :: rest = 0.0_wp !! x0, increment below which the factor is 1 [1]
    end type hardening_power_t
@@ -52,9 +51,9 @@ contains
 
    !> Plastic increment x of each lane from trial - 3 G x = Y(x), and the stress after the step.
    !!
-   !! The left side falls and the right side grows, so the root lies between 0 and the increment of
-   !! a stress at rest. A particle without strength flows without resistance and keeps its plastic
-   !! strain. Equation (Y.5) of doc/theory/strength.md.
+   !! The left side decreases with x and the right side increases, so the root lies between 0 and
+   !! the increment for the static yield stress before the step. A particle without strength flows
+   !! without resistance and keeps its plastic strain. Equation (Y.5) of doc/theory/strength.md.
    pure subroutine solve_hardening(power, lanes)
       type(hardening_power_t), intent(in) :: power
       type(flow_lanes_t), intent(inout) :: lanes
@@ -112,7 +111,7 @@ contains
    pure subroutine start_lanes(filled, power, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes
       type(hardening_power_t), intent(in) :: power
-      real(wp), intent(in) :: hardening(most_lanes)  !! At the start [Pa]
+      real(wp), intent(in) :: hardening(most_lanes)  !! Hardening at the start [Pa]
       type(flow_lanes_t), intent(inout) :: lanes
       real(wp) :: limit, slope, excess
       logical :: flows

@@ -11,8 +11,8 @@ module constitutive_heat
 
    !> Heating of a material.
    type :: heat_t
-      real(wp) :: specific_heat = 0.0_wp             !! At constant volume [J/(kg K)]
-      real(wp) :: conductivity = 0.0_wp              !! Of heat; 0: no conduction [W/(m K)]
+      real(wp) :: specific_heat = 0.0_wp             !! Specific heat at constant volume [J/(kg K)]
+      real(wp) :: conductivity = 0.0_wp !! Thermal conductivity; 0: no conduction [W/(m K)]
    end type heat_t
 
    !> Temperatures between which a material softens.
@@ -45,16 +45,16 @@ contains
       volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: specific_heat          !! At constant volume [J/(kg K)]
-      real(wp), intent(in) :: plastic_share          !! Of plastic work, becomes heat [1]
+      real(wp), intent(in) :: specific_heat          !! Specific heat at constant volume [J/(kg K)]
+      real(wp), intent(in) :: plastic_share !! Fraction of plastic work that becomes heat [1]
       real(wp), contiguous, intent(in) :: gruneisen(:) !! Gamma rho (range) [kg/m3]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
       real(wp), contiguous, intent(in) :: old_volume(:)     !! Before the step (range) [m3]
       real(wp), contiguous, intent(in) :: pressure(:)       !! After the step (range) [Pa]
-      real(wp), contiguous, intent(in) :: pressure_floor(:) !! Its least value (range) [Pa]
-      real(wp), contiguous, intent(in) :: plastic_work(:)   !! In the step (range) [J]
-      real(wp), contiguous, intent(in) :: viscous_work(:)   !! In the step (range) [J]
+      real(wp), contiguous, intent(in) :: pressure_floor(:) !! Least pressure (range) [Pa]
+      real(wp), contiguous, intent(in) :: plastic_work(:)   !! Plastic work of the step (range) [J]
+      real(wp), contiguous, intent(in) :: viscous_work(:)   !! Viscous work of the step (range) [J]
       real(wp), contiguous, intent(inout) :: temperature(:) !! (store) [K]
       real(wp), parameter :: twelfth = 1.0_wp/12.0_wp
       real(wp) :: closed, compression, growth, inverse, plastic, viscous
@@ -101,7 +101,7 @@ contains
       real(wp), intent(in) :: melting                !! Temperature of melting [K]
       real(wp), contiguous, intent(in) :: temperature(:)       !! (store) [K]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       integer :: i
 
       do concurrent (i=1:last - first + 1)

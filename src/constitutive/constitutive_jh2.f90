@@ -35,7 +35,7 @@ module constitutive_jh2
       procedure, nopass :: declare => jh2_declare    !! Declares the keys
       procedure :: read => jh2_read                  !! Reads the keys
       procedure :: strength => jh2_strength          !! Equivalent stress at yield
-      procedure :: find_strengths => jh2_find_strengths !! Of many particles
+      procedure :: find_strengths => jh2_find_strengths !! Strengths of many particles
    end type jh2_t
 
 contains

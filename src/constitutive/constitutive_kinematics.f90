@@ -16,9 +16,8 @@ contains
    !!
    !! The positions after a step are x + G x. A rotation then has no strain, however long the step,
    !! and the volume grows by det(I + G) to third order, so that volume and positions stay
-   !! consistent
-   !! in a shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980) 1862). Equation
-   !! (M.18) of doc/theory/method.md.
+   !! consistent in a shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980)
+   !! 1862). Equation (M.18) of doc/theory/method.md.
    ! gate: long kernel because the inverse of a matrix is nine numbers
    pure subroutine centre_gradient(count, plane, gradient)
       !$omp declare target
@@ -125,10 +124,8 @@ contains
    end subroutine centre_backward
 
    !> Divisor of the growth of a volume or a temperature in a step, 1 + x over this divisor. It is
-   !! the
-   !! Pade approximant of order (2, 2) of the exponential function: relative error x**5/720,
-   !! positive
-   !! for every x, vectorises, and exactly 1 for 0. Equation (A.1) of doc/theory/matter.md.
+   !! the Pade approximant of order (2, 2) of the exponential function: relative error x**5/720,
+   !! positive for every x, vectorises, and exactly 1 for 0. Equation (A.1) of doc/theory/matter.md.
    elemental real(wp) function growth_divisor(x) result(divisor)
       real(wp), intent(in) :: x                      !! Exponent [1]
 
@@ -192,7 +189,7 @@ contains
          b(7) = a(4)*a(8) - a(7)*a(5)
          b(8) = a(7)*a(2) - a(1)*a(8)
          b(9) = a(1)*a(5) - a(4)*a(2)
-         ! It is 1/det(I + G/2), close to 1 in a step of normal length.
+         ! The determinant is 1/det(I + G/2), close to 1 in a step of normal length.
          inverse = 1.0_wp/max(a(1)*b(1) + a(4)*b(2) + a(7)*b(3), least_growth)
          do row = 1, 3
             g(row) = (b(row)*c(1) + b(row + 3)*c(2) + b(row + 6)*c(3))*inverse

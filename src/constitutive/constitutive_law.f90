@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Abstract law of strength: it corrects the deviator of the stress after an elastic trial, or
-!> gives the whole stress itself.
+!> Abstract law of strength: it corrects the deviator of the stress after an elastic trial, or gives
+!! the whole stress itself.
 module constitutive_law
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -22,7 +22,7 @@ module constitutive_law
       real(wp) :: shear = 0.0_wp                     !! Shear modulus [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
-      real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
+      real(wp) :: heat_share = 0.9_wp !! Heated by plastic work (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
       procedure :: read_mode => law_read_mode        !! Reads keys that decide on other models
@@ -262,10 +262,10 @@ contains
       end do
    end subroutine equivalent_stress
 
-   !> Trial deviator times strain increment, s* : e. From it laws compute the work that the mean of
-   !! the stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for
-   !! the rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. With the stress after the step
-   !! alone, grains without stress would lose energy on contact.
+   !> Trial deviator times strain increment, s* : e. Laws need it for the work on the plastic strain
+   !! of the mean of the stresses s before and s' after the step, (s + s') : (s* - s')/(4 G), where
+   !! s = s* - 2 G e except for the rotation. With s' alone in place of the mean, grains that come
+   !! into contact without stress would lose energy.
    pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -283,17 +283,16 @@ contains
       end do
    end subroutine strain_trial
 
-   !> Work per volume of a radial return on the plastic strain: that of the mean of the
-   !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the energy balance is
-   !! of
-   !! second order. It is not negative: softening material under a rotating load would gain
-   !! energy. Equation (Y.2) of doc/theory/strength.md.
+   !> Work per volume of a radial return on the plastic strain: that of the mean of the stresses
+   !! before and after the step, (s + s') : (s* - s')/(4 G), so that the energy balance is of second
+   !! order. Negative work is replaced by 0; otherwise softening material under a rotating load
+   !! would gain energy. Equation (Y.2) of doc/theory/strength.md.
    elemental real(wp) function mean_work(shear, trial, limit, increment, product_of_both) &
       result(work)
       real(wp), intent(in) :: shear                        !! Shear modulus of the trial [Pa]
       real(wp), intent(in) :: trial                        !! Equivalent trial stress [Pa]
       real(wp), intent(in) :: limit                        !! Equivalent stress after the step [Pa]
-      real(wp), intent(in) :: increment                    !! Of the plastic strain [1]
+      real(wp), intent(in) :: increment                    !! Increment of the plastic strain [1]
       real(wp), intent(in) :: product_of_both              !! s* : e, of `strain_trial` [Pa]
 
       work = increment*max(0.0_wp, 0.5_wp*(trial + limit) &
@@ -307,7 +306,7 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: shear                  !! Shear modulus of the trial [Pa]
       real(wp), contiguous, intent(in) :: limit(:)   !! Equivalent stress at yield (range) [Pa]
-      real(wp), contiguous, intent(in) :: increment(:) !! Of the plastic strain (range) [1]
+      real(wp), contiguous, intent(in) :: increment(:) !! Plastic strain (range) [1]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]
       !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
@@ -323,7 +322,7 @@ contains
          plastic_increment(i) = increment(i)
          plastic_work(i) = volume(k)*mean_work(shear, trial, limit(i), increment(i), &
             plastic_work(i))
-         ! 1 if nothing flows.
+         ! the factor is 1 if the particle does not flow
          scaling = limit(i)/max(trial, limit(i), tiny(1.0_wp))
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)

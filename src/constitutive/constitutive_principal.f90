@@ -49,9 +49,8 @@ contains
       end do
    end subroutine principal
 
-   !> One rotation in the plane of two axes that makes their component zero (W. H.
-   !! Press and
-   !> others, "Numerical Recipes", section 11.1).
+   !> One rotation in the plane of two axes that makes their component zero (W. H. Press and others,
+   !! "Numerical Recipes", section 11.1).
    pure subroutine turn(a, axes, p, q)
       real(wp), intent(inout) :: a(3, 3)             !! Symmetric tensor
       real(wp), intent(inout) :: axes(3, 3)          !! Axes so far

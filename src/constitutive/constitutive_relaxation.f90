@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Kernels of a stress that rotates, grows elastically and relaxes simultaneously, exact for a
-!! velocity
-!> gradient that is constant over the step.
+!! velocity gradient that is constant over the step.
 !!
 !! With x from 0 to 1 along the step, the spin increment W, the relaxation k = dt/tau and the strain
 !! increment D the deviator follows ds/dx = W s - s W - k s + 2 G D'. In a frame whose third axis is
@@ -117,7 +116,7 @@ contains
    !! others, J. Comput. Graphics Tech. 6 (2017) 1).
    pure subroutine make_frame(w, angle, frame)
       real(wp), intent(in) :: w(3)                   !! Rotation vector [1]
-      real(wp), intent(in) :: angle                  !! Its length [1]
+      real(wp), intent(in) :: angle                  !! Length of the rotation vector [1]
       real(wp), intent(out) :: frame(3, 3)           !! Axis j in (:, j) [1]
       real(wp) :: n(3), a, b, up
 
@@ -135,7 +134,7 @@ contains
    pure subroutine to_frame(frame, s, z)
       real(wp), intent(in) :: frame(3, 3)            !! Axis j in (:, j) [1]
       real(wp), intent(in) :: s(6)                   !! xx, yy, zz, xy, yz, xz
-      type(harmonics_t), intent(out) :: z            !! The same in the frame
+      type(harmonics_t), intent(out) :: z            !! Combinations of s in the frame
       real(wp) :: t(3, 3)
 
       ! The tensor times each axis.

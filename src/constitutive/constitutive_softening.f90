@@ -139,7 +139,7 @@ contains
       real(wp), intent(in) :: band_strain            !! e_u [1]
       real(wp), intent(in) :: stress                 !! s, without cracks, at least f [Pa]
       real(wp), intent(in) :: strain                 !! e, without cracks, above 0 [1]
-      ! Strength fraction below which a crack is fully open.
+      ! Fraction of the strength below which a crack counts as fully open.
       real(wp), parameter :: least = 0.005_wp
       integer, parameter :: most_steps = 50
       real(wp) :: opening, slope, change
@@ -236,7 +236,7 @@ contains
       integer, intent(in) :: particle                    !! Index in the store
       real(wp), intent(inout) :: pressure                !! [Pa]
       real(wp), intent(inout) :: damage                  !! [1]
-      real(wp), intent(inout) :: plastic_work            !! In the step [J]
+      real(wp), intent(inout) :: plastic_work            !! Plastic work of the step [J]
       real(wp) :: tensor(6), values(3), axes(3, 3), strain(3), strength, width, grown, mean
 
       tensor(:) = stress(particle, :)
@@ -264,8 +264,8 @@ contains
       pressure = -mean
    end subroutine crack
 
-   !> Energy [J] of a particle with cracks beyond that of the deviator and, if the pressure is not
-   !! that of an equation of state, the reduced pressure.
+   !> Energy [J] of a particle with cracks that is not part of the energy of its reduced deviator
+   !! and, without equation of state, of its reduced pressure.
    pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> State of the material of particles, which laws read and write: arrays over particles, without
-!> particles or grid.
+!! particles or grid.
 module constitutive_state
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -25,7 +25,7 @@ module constitutive_state
    !> Fields for outputs only.
    type :: recorded_state_t
       real(wp), allocatable :: equivalent_strain(:)  !! Sum of sqrt(2/3 e:e) [1]
-      real(wp), allocatable :: inertial_number(:)    !! Of flowing grains [1]
+      real(wp), allocatable :: inertial_number(:)    !! Inertial number of granular flow [1]
    end type recorded_state_t
 
    !> State carried by the particles of one material. A field is allocated if and only if a law, an
@@ -36,7 +36,7 @@ module constitutive_state
       real(wp), allocatable :: stress(:, :)          !! Cauchy stress with viscous part (:, 6) [Pa]
       real(wp), allocatable :: viscous_pressure(:)   !! Artificial viscosity, part of stress [Pa]
       real(wp), allocatable :: energy(:)             !! Internal energy per mass [J/kg]
-      real(wp), allocatable :: burn_time(:)          !! At which a detonation reaches it [s]
+      real(wp), allocatable :: burn_time(:)          !! Arrival time of the detonation [s]
       real(wp), allocatable :: temperature(:)        !! [K]
       real(wp), allocatable :: plastic_strain(:)     !! Equivalent plastic strain [1]
       real(wp), allocatable :: plastic_dilation(:)   !! Logarithm of volume gained by shear [1]
@@ -45,7 +45,7 @@ module constitutive_state
       !> dx_k/dX_l of current to initial position, column k + 3 (l - 1) (:, 9) [1]
       real(wp), allocatable :: deformation_gradient(:, :)
       integer(int64), allocatable :: failed(:)       !! Failure flag, 0 or 1, never averaged
-      type(pore_state_t) :: pores                    !! Of porous material
+      type(pore_state_t) :: pores                    !! State of pores
       type(brittle_state_t) :: brittle               !! Brittle failure
       type(recorded_state_t) :: recorded             !! For outputs
    contains
@@ -64,7 +64,7 @@ module constitutive_state
 
    !> Scratch of the damage models.
    type :: damage_scratch_t
-      real(wp), allocatable :: bound(:)              !! Of the principal deviators [Pa]
+      real(wp), allocatable :: bound(:)              !! Bound of the principal deviators [Pa]
       real(wp), allocatable :: scatter(:)            !! Random strength, 1 without scatter [1]
       real(wp), allocatable :: load(:)               !! Load over strength [1]
    contains
@@ -100,9 +100,9 @@ module constitutive_state
       real(wp), allocatable :: wave_speed(:)         !! Limits the next time step (out) [m/s]
       real(wp), allocatable :: plastic_work(:)       !! Work into plastic flow in the step (out) [J]
       real(wp), allocatable :: viscous_work(:)       !! Work into artificial viscosity (out) [J]
-      type(strength_scratch_t) :: strength           !! Of the law of strength
-      type(damage_scratch_t) :: damage               !! Of the damage model, if there is one
-      type(void_scratch_t) :: voids                  !! Of the voids, if there are any
+      type(strength_scratch_t) :: strength           !! State of the strength model
+      type(damage_scratch_t) :: damage               !! State of the damage model, if there is one
+      type(void_scratch_t) :: voids                  !! State of the voids, if there are any
    contains
       procedure :: reserve => deformation_reserve    !! Allocates it for the particles of a tile
    end type deformation_t
@@ -147,8 +147,8 @@ contains
       if (allocated(self%failed)) call worker%whole("failed", "1", self%failed)
    end subroutine material_walk
 
-   !> Length of scratch arrays for a number of particles. It is not that number itself: columns
-   !! whose length is a power of two would map to few cache sets.
+   !> Length of scratch arrays for a number of particles. It is greater than this number, because
+   !! columns whose length is a power of two would map to few cache sets.
    pure integer function padded_length(particles) result(length)
       integer, intent(in) :: particles               !! Capacity
 

@@ -82,7 +82,7 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: strength               !! Greatest tension [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       integer :: i
 
       do concurrent (i=1:last - first + 1)
@@ -114,14 +114,15 @@ contains
       end do
    end function breaking
 
-   !> Failed particles support no tension, others their strength.
+   !> Set the least pressure: 0 for failed particles, minus the tensile strength for the others.
+   !! Tension of failed particles is removed.
    pure subroutine drop_failed_tension(first, last, strength, failed, pressure, pressure_floor)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]
       integer(int64), contiguous, intent(in) :: failed(:)      !! Flag of failure (store)
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       real(wp) :: cut, least
       integer :: i
 
@@ -133,9 +134,9 @@ contains
       end do
    end subroutine drop_failed_tension
 
-   !> Fail particles with complete damage or with tension at the limit, and turn failed particles
-   !! into rubble. The elastic energy that a particle loses on failing is recorded as plastic work.
-   !! Equations (A.7) and (A.8) of doc/theory/matter.md.
+   !> Mark particles with complete damage or with tension at the limit as failed, and turn failed
+   !! particles into rubble. The elastic energy that a particle loses on failing is recorded as
+   !! plastic work. Equations (A.7) and (A.8) of doc/theory/matter.md.
    ! gate: long kernel because failure changes all parts of the stress
    pure subroutine fail_as_rubble(first, last, strength, shear, bulk, volume, stress, pressure, &
       pressure_floor, damage, failed, plastic_work)
@@ -147,10 +148,10 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)      !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       real(wp), contiguous, intent(inout) :: damage(:)         !! (store) [1]
       integer(int64), contiguous, intent(inout) :: failed(:)   !! Flag of failure (store)
-      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
+      real(wp), contiguous, intent(inout) :: plastic_work(:) !! Plastic work of the step (range) [J]
       integer :: i, k
 
       if (breaking(first, last, strength, pressure, damage, failed) > 0.0_wp) then
@@ -170,8 +171,8 @@ contains
       call drop_failed_tension(first, last, strength, failed, pressure, pressure_floor)
    end subroutine fail_as_rubble
 
-   !> Fail particles as above, but without changing the deviator, which the law of failed material
-   !! updates. Of the elastic energy only that of the tension is lost.
+   !> Mark particles as failed as above, but do not change the deviator, which the law of failed
+   !! material updates. Only the elastic energy of the tension is lost.
    pure subroutine fail_with_strength(first, last, strength, bulk, volume, pressure, &
       pressure_floor, damage, failed, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
@@ -180,10 +181,10 @@ contains
       real(wp), intent(in) :: bulk                   !! Bulk modulus, 0 for a gas [Pa]
       real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       real(wp), contiguous, intent(inout) :: damage(:)         !! (store) [1]
       integer(int64), contiguous, intent(inout) :: failed(:)   !! Flag of failure (store)
-      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
+      real(wp), contiguous, intent(inout) :: plastic_work(:) !! Plastic work of the step (range) [J]
       integer :: i, k
 
       if (breaking(first, last, strength, pressure, damage, failed) > 0.0_wp) then
@@ -241,7 +242,8 @@ contains
    end subroutine add_shear_speed
 
    !> Add the contribution of the shear modulus to the square of the wave speed where it has not
-   !! failed. Without this a dispersing cloud of rubble would shorten the time step for no reason.
+   !! failed. For failed particles the contribution would shorten the time step of a dispersing
+   !! cloud of rubble without need.
    pure subroutine add_intact_shear_speed(first, last, shear, failed, mass, volume, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -29,7 +29,7 @@ module damage_grady_kipp
       real(wp) :: flaws = 0.0_wp                     !! k [1/m3]
       real(wp) :: exponent = 1.0_wp                  !! m [1]
       real(wp) :: share = 0.4_wp                     !! Speed of cracks over that of sound [1]
-      logical :: scatters = .false.                  !! The weakest flaw of a particle
+      logical :: scatters = .false.                  !! Is the weakest flaw of a particle random?
    contains
       procedure :: declare => grady_kipp_declare     !! Declares its keys
       procedure :: needs_flow => grady_kipp_needs_flow !! Returns false
@@ -64,14 +64,14 @@ contains
       needs = .false.
    end function grady_kipp_needs_flow
 
-   !> The weakest flaw may be one's own.
+   !> The weakest flaw may differ between particles.
    pure logical function grady_kipp_takes_scatter(self) result(takes)
       class(damage_grady_kipp_t), intent(in) :: self
 
       takes = .true.
    end function grady_kipp_takes_scatter
 
-   !> The modulus is the exponent of flaws over strain.
+   !> The Weibull modulus is always needed: it is the exponent m of the number of flaws.
    pure logical function grady_kipp_needs_weibull(self, scatter) result(needs)
       class(damage_grady_kipp_t), intent(in) :: self
       logical, intent(in) :: scatter                 !! Switch size_scatter of &effects
@@ -91,7 +91,7 @@ contains
       self%scatters = effects%size_scatter
    end subroutine grady_kipp_read
 
-   !> Damage, and the weakest flaw.
+   !> Request the damage and, if strength scatters, the random number of the weakest flaw.
    pure subroutine grady_kipp_request(self, requests)
       class(damage_grady_kipp_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -100,11 +100,11 @@ contains
       if (self%scatters) call requests%add("scatter", "size_scatter", 1)
    end subroutine grady_kipp_request
 
-   !> Mean number of flaws when the weakest one of a particle grows.
+   !> Draw the mean number of flaws at which the weakest flaw of a particle begins to grow.
    pure subroutine grady_kipp_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_grady_kipp_t), intent(in) :: self
       integer(int64), intent(in) :: seed                   !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
@@ -145,8 +145,9 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
-      real(wp), contiguous, intent(in) :: weakest(:)       !! Flaws at the first one (range) [1]
+      real(wp), contiguous, intent(in) :: bound(:) !! Bound of the principal deviators (range) [Pa]
+      !> Mean number of flaws at which the weakest one grows (range) [1]
+      real(wp), contiguous, intent(in) :: weakest(:)
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
       real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: damage(:)     !! (store) [1]

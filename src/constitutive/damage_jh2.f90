@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Damage of Johnson and Holmquist (JH-2): the sum of plastic increments over the strain to fracture
 !! D1 (p* + T*)**D2, and the pressure that fractured material gains because it cannot keep the
-!! elastic
-!! energy of its shear (bulking).
+!! elastic energy of its shear (bulking).
 !!
 !! With D1 = 0 material fractures at once when it flows. Failed material has the fractured strength
 !! unless failed_as selects another law. Equations (F.14) and (F.16) of doc/theory/failure.md.
@@ -31,7 +30,7 @@ module damage_jh2
       real(wp) :: share = 0.0_wp !! beta, fraction of lost energy that makes pressure [1]
    contains
       procedure :: declare => damage_jh2_declare     !! Declares its keys
-      procedure :: fault => damage_jh2_fault         !! Unknown without the law
+      procedure :: fault => damage_jh2_fault         !! Error without strength_model jh2
       procedure :: leaves_strength => damage_jh2_leaves_strength !! Returns true
       procedure :: read => damage_jh2_read           !! Reads its keys
       procedure :: request => damage_jh2_request     !! Requests damage and bulking
@@ -58,7 +57,7 @@ contains
       call schema%require("material", "jh2_d1")
    end subroutine damage_jh2_declare
 
-   !> It is a part of the law.
+   !> The model needs the law of strength jh2.
    pure function damage_jh2_fault(self, group, law) result(text)
       class(damage_jh2_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -155,7 +154,7 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: old_damage(:)    !! Before the step (range) [1]
-      real(wp), contiguous, intent(in) :: rate(:)          !! Of strain (range) [1/s]
+      real(wp), contiguous, intent(in) :: rate(:)          !! Strain rate (range) [1/s]
       real(wp), contiguous, intent(in) :: damage(:)        !! After it (store) [1]
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)        !! (store) [m3]

@@ -18,7 +18,8 @@ module damage_johnson_cook
 
    public :: damage_johnson_cook_t
 
-   !> Least strain to failure. Sets with negative D1 would give a negative strain in tension.
+   !> Least strain to failure. Parameter sets with negative D1 would give a negative strain in
+   !! tension.
    real(wp), parameter :: least_strain = 1.0e-6_wp
    !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
    real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp
@@ -30,7 +31,7 @@ module damage_johnson_cook
    type, extends(damage_t) :: damage_johnson_cook_t
       real(wp) :: coefficient(5) = 0.0_wp            !! D1 to D5 [1]
       real(wp) :: reference_rate = 1.0_wp            !! Rate of the static strain [1/s]
-      type(melting_range_t), allocatable :: range    !! Only if temperature matters
+      type(melting_range_t), allocatable :: range    !! Allocated if temperature has an effect
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
       procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! Returns true
@@ -77,7 +78,7 @@ contains
       end if
    end subroutine johnson_cook_read
 
-   !> Damage grows with plastic strain, and the strain to failure may depend on temperature.
+   !> Damage grows with the plastic strain; the strain to failure may depend on temperature.
    pure subroutine johnson_cook_request(self, requests)
       class(damage_johnson_cook_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -105,7 +106,7 @@ contains
    pure subroutine find_failure_strains(model, count, rate, strain)
       class(damage_johnson_cook_t), intent(in) :: model
       integer, intent(in) :: count                         !! States
-      real(wp), intent(inout) :: rate(most_lanes)    !! Of plastic strain, lost on return [1/s]
+      real(wp), intent(inout) :: rate(most_lanes)    !! Plastic strain rate, overwritten [1/s]
       !> Mean over equivalent stress in, strain to failure out [1].
       real(wp), intent(inout) :: strain(most_lanes)
       integer :: l
@@ -191,7 +192,7 @@ contains
       integer, intent(in) :: count                         !! Particles of the group
       integer, intent(in) :: filled                        !! Lanes, whole vectors
       integer, intent(in) :: place(most_lanes)             !! In the range, of a lane
-      integer, intent(in) :: before                        !! Of the store before the range
+      integer, intent(in) :: before !! Number of particles of the store before the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       real(wp), contiguous, intent(in) :: stress(:, :)           !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(in) :: pressure(:)            !! (range) [Pa]

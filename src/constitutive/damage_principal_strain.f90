@@ -78,7 +78,7 @@ contains
       type(effects_t), intent(in) :: effects
 
       call group%get("failure_strain", self%limit)
-      ! Then cracks open, and nothing fails at once.
+      ! With a fracture energy cracks open gradually, so that particles do not fail at a strain
       if (group%given("fracture_energy")) self%limit = sqrt(huge(1.0_wp))
       call self%delay%read(group)
       if (.not. effects%size_scatter) return
@@ -100,7 +100,7 @@ contains
    pure subroutine principal_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_principal_strain_t), intent(in) :: self
       integer(int64), intent(in) :: seed                   !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
@@ -110,8 +110,8 @@ contains
          first, last, mass, scatter)
    end subroutine principal_draw_strength
 
-   !> Fail overloaded particles. Few particles are near their strength, and only these are processed
-   !! one by one.
+   !> Mark overloaded particles as failed. Few particles are near their strength, and only these are
+   !! processed one by one.
    pure subroutine principal_update(self, state, deformation, first, last, dt)
       class(damage_principal_strain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store

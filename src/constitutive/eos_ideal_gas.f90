@@ -21,7 +21,7 @@ module eos_ideal_gas
    contains
       procedure :: declare => ideal_gas_declare      !! Declares its key
       procedure :: read => ideal_gas_read            !! Reads its key
-      procedure :: sets_bulk => ideal_gas_sets_bulk  !! It does: 0 without energy
+      procedure :: sets_bulk => ideal_gas_sets_bulk  !! Returns true: K is 0 without energy
       procedure :: request => ideal_gas_request      !! Requests the energy field
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => ideal_gas_find_gruneisen !! Grueneisen number times density

@@ -54,7 +54,7 @@ contains
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         ! The difference comes before the division, so the result at rest is exactly 0.
+         ! The difference is computed before the division, so that the result at rest is exactly 0.
          pressure(i) = bulk*(mass(k) - density*volume(k))/(density*volume(k))
          wave_speed(i) = bulk/density
       end do

@@ -56,8 +56,8 @@ contains
       call schema%require("material", "pa_solid pa_pe pa_pc")
    end subroutine p_alpha_declare
 
-   !> Porous material is less dense than solid, and crushing must begin at a lower pressure than it
-   !! ends.
+   !> Porous material must be less dense than the solid, and crushing must end at a higher pressure
+   !! than it begins.
    pure function p_alpha_fault(self, group) result(text)
       class(eos_p_alpha_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -105,7 +105,7 @@ contains
       self%elastic = elastic
       self%crushed = crushed
       self%distension = solid%density/self%density
-      ! At constant distension waves are as fast as in the solid.
+      ! At constant distension the wave speed is that of the solid.
       self%bulk = self%density*solid%sound**2
    end subroutine p_alpha_set
 

@@ -157,8 +157,8 @@ contains
       end do
    end subroutine condensed
 
-   !> The same of expanded material that boils or is vapour, particle by particle. There are few,
-   !! and only these need exponentials.
+   !> The same for expanded material that boils or is vapour, particle by particle. Few particles
+   !! are in this state, and only these need exponentials.
    pure subroutine evaporate(first, last, eos, mass, volume, energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -94,7 +94,7 @@ contains
 
    !> Slope of the cone of an angle. Equation (Y.21).
    pure real(wp) function cone(angle, where_cone) result(slope)
-      real(wp), intent(in) :: angle                  !! Of friction or dilation [rad]
+      real(wp), intent(in) :: angle                  !! Angle of friction or dilation [rad]
       character(len=*), intent(in) :: where_cone     !! Where it touches Mohr-Coulomb
 
       select case (where_cone)

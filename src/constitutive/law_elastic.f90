@@ -13,7 +13,7 @@ module law_elastic
    !> Elastic law with Jaumann rate.
    type, extends(law_t) :: law_elastic_t
    contains
-      procedure :: is_plastic => elastic_is_plastic  !! It does not flow
+      procedure :: is_plastic => elastic_is_plastic  !! False: there is no flow
       procedure :: request => elastic_request        !! Requests no fields
       procedure :: update => elastic_update          !! Keeps the trial
    end type law_elastic_t
@@ -27,13 +27,13 @@ contains
       plastic = .false.
    end function elastic_is_plastic
 
-   !> An elastic particle has no state variables but its stress.
+   !> The stress is the only state variable of an elastic particle.
    pure subroutine elastic_request(self, requests)
       class(law_elastic_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
    end subroutine elastic_request
 
-   !> The trial deviator is right already.
+   !> The trial deviator is already the result.
    pure subroutine elastic_update(self, state, deformation, first, last, dt)
       class(law_elastic_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store

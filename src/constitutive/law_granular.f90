@@ -33,11 +33,11 @@ module law_granular
    contains
       procedure :: declare => granular_declare       !! Declares its keys
       procedure :: read_mode => granular_read_mode   !! Reads the mode
-      procedure :: fault => granular_fault           !! Without any relaxation it is elastic
+      procedure :: fault => granular_fault           !! Error if no relaxation is given
       procedure :: read => granular_read             !! Reads its keys
       procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode total
       procedure :: request => granular_request       !! Requests no fields
-      procedure :: predict_trial => granular_predict_trial !! Volume, and the deviator as it was
+      procedure :: predict_trial => granular_predict_trial !! Updates the volume, keeps the deviator
       procedure :: update => granular_update         !! Relaxes
       !> Waves are those of the intact contacts
       procedure :: add_wave_speed => granular_add_wave_speed
@@ -72,7 +72,7 @@ contains
       self%relaxes_pressure = mode == "total"
    end subroutine granular_read_mode
 
-   !> One of the two relaxations must be there.
+   !> At least one of the two relaxations must be given.
    pure function granular_fault(self, group, eos) result(text)
       class(law_granular_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material

@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Strength of brittle material after Johnson and Holmquist (JH-2), see constitutive_jh2. Damage is
-!! that
-!! of damage_model = 'jh2'; without it material stays intact. Damaged material supports less
+!! that of damage_model = 'jh2'; without it material stays intact. Damaged material supports less
 !! tension, T (1
 !! - D). Equations (F.12) and (F.13) of doc/theory/failure.md.
 module law_jh2
@@ -45,7 +44,7 @@ contains
       call self%constants%declare(schema)
    end subroutine law_jh2_declare
 
-   !> The stress of the limit has a deviator.
+   !> The Hugoniot elastic limit includes a deviator, so it must exceed the pressure at the limit.
    pure function law_jh2_fault(self, group, eos) result(text)
       class(law_jh2_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material

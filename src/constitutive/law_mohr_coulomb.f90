@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Material with friction and cohesion after Mohr and Coulomb: on no plane is the shear above
-!> c + tan(phi) times the pressure on it. In principal stresses, s1 the greatest tension,
-!> (s1 - s3) + (s1 + s3) sin(phi) is not above 2 c cos(phi).
+!> Material with friction and cohesion after Mohr and Coulomb: on no plane is the shear above c +
+!! tan(phi) times the pressure on it. In principal stresses, s1 the greatest tension, (s1 - s3) +
+!! (s1 + s3) sin(phi) is not above 2 c cos(phi).
 !!
 !! Flow follows the same surface with the angle of dilation in place of that of friction. Equation
 !! (Y.23) of doc/theory/strength.md.
@@ -171,7 +171,7 @@ contains
       real(wp), intent(in) :: pressure               !! Trial [Pa]
       real(wp), intent(in) :: trial(3)               !! Trial deviator in falling order [Pa]
       real(wp), intent(out) :: values(3)             !! Deviator [Pa]
-      real(wp), intent(out) :: multipliers           !! Their sum [1]
+      real(wp), intent(out) :: multipliers           !! Sum of the plastic multipliers [1]
       real(wp) :: a, b, main, side, one, other, up, down, middle
 
       associate (g => law%shear, f => law%friction, d => law%dilation)

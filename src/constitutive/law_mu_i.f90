@@ -4,8 +4,7 @@
 !! inertial number I = rate d sqrt(rho_s/p) has the diameter d and the density rho_s of a grain.
 !!
 !! Below mu_s the grains are an elastic solid, and without pressure and cohesion they support
-!! nothing
-!! (S. Dunatunga, K. Kamrin, J. Fluid Mech. 779 (2015) 483). Equation (Y.25) of
+!! nothing (S. Dunatunga, K. Kamrin, J. Fluid Mech. 779 (2015) 483). Equation (Y.25) of
 !! doc/theory/strength.md.
 module law_mu_i
    use base_deck_group, only: group_t
@@ -58,7 +57,7 @@ contains
       call schema%require("material", "mu_s mu_2 mu_i0 grain_diameter grain_density")
    end subroutine mu_i_declare
 
-   !> Friction must not fall with the rate.
+   !> Friction must not decrease with the rate.
    pure function mu_i_fault(self, group, eos) result(text)
       class(law_mu_i_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material

@@ -5,8 +5,7 @@
 !! The energy of a unit of reference volume is mu/2 (tr F^T F - 3) - mu ln J + lambda/2 (ln J)**2
 !! (J. Bonet, R. D. Wood, "Nonlinear continuum mechanics for finite element analysis", 1997). The
 !! stress does not depend on the path, so a released particle returns to its initial state.
-!! Equations
-!! (Y.9) and (Y.10) of doc/theory/strength.md.
+!! Equations (Y.9) and (Y.10) of doc/theory/strength.md.
 module law_neo_hookean
    use base_elementary, only: logarithm, take_logarithms
    use base_kinds, only: wp
@@ -27,7 +26,7 @@ module law_neo_hookean
    type, extends(law_t) :: law_neo_hookean_t
    contains
       procedure :: gives_whole_stress => neo_hookean_gives_whole_stress !! It gives the whole stress
-      procedure :: is_plastic => neo_hookean_is_plastic !! It does not flow
+      procedure :: is_plastic => neo_hookean_is_plastic !! False: there is no flow
       procedure :: request => neo_hookean_request    !! Requests the deformation gradient
       procedure :: predict_trial => neo_hookean_predict_trial !! Volume and deformation gradient
       procedure :: update => neo_hookean_update      !! Stress

@@ -334,8 +334,8 @@ contains
             lanes%count = l
             lanes%place(l) = n
             lanes%trial(l) = plastic_increment(i)
-            ! freezing material uses the modulus after the step, because that of its trial is almost
-            ! zero
+            ! freezing material uses the modulus after the step, because the modulus of its trial is
+            ! almost zero
             modulus = max(ratio(i), least_modulus)
             if (trial_ratio(i) > least_modulus) modulus = trial_ratio(i)
             lanes%stiffness(l) = 3.0_wp*law%shear*modulus

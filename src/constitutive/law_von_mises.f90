@@ -115,7 +115,7 @@ contains
       real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
       real(wp), contiguous, intent(inout) :: plastic_strain(:)     !! (store) [1]
       real(wp), contiguous, intent(inout) :: limit(:) !! Equivalent stress at yield (range) [Pa]
-      real(wp), contiguous, intent(inout) :: increment(:) !! Of the plastic strain (range) [1]
+      real(wp), contiguous, intent(inout) :: increment(:) !! Plastic strain (range) [1]
       real(wp) :: softness
       integer :: i, k
 

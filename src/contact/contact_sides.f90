@@ -24,25 +24,26 @@ module contact_sides
    real(wp), parameter :: enough = 0.2_wp
    real(wp), parameter :: few = 1.0e-3_wp            !! Ignored fraction of a side
 
-   !> Nodes of its cell at which a particle is on the other side.
+   !> Nodes of the cell of a particle at which the particle is on the second side.
    type :: lane_bits_t
-      integer, allocatable :: other(:)               !! (particle) Bit lane - 1 for each node
+      integer, allocatable :: other(:)               !! (particle) Bit lane - 1: on the second side
    end type lane_bits_t
 
-   !> The sides of one velocity field. The other side has a velocity field without particles.
+   !> The two sides of one velocity field. The second side uses a velocity field of its own, to
+   !! which no particles are assigned.
    type :: sides_t
       integer :: before = 0                          !! Stores before those of the field
       type(lane_bits_t), allocatable :: store(:)     !! (store of the field)
       real(wp), allocatable :: patch(:, :, :)        !! Sums of the particles of a tile
       real(wp), allocatable :: intact(:, :)          !! (node, own tile) Intact volume fraction [1]
-      real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) Its gradient [1/m]
+      real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) grad intact [1/m]
       real(wp), allocatable :: axis(:, :, :)         !! (3, node, own tile) Axis of the sides [1]
       logical, allocatable :: split(:, :)            !! (node, tile) Are its sides separated?
-      logical, allocatable :: cut(:)                 !! (tile) Is there such a node?
+      logical, allocatable :: cut(:)                 !! (tile) Has it a node with split sides?
    contains
       procedure :: reserve => sides_reserve          !! Memory for a number of tiles
-      procedure :: take_cells => sides_take_cells    !! Plain gradient in cells with such nodes
-      procedure :: drop_cells => sides_drop_cells    !! No weight for cells with such nodes
+      procedure :: take_cells => sides_take_cells    !! Plain gradient in cells with split nodes
+      procedure :: drop_cells => sides_drop_cells    !! No weight for cells with split nodes
    end type sides_t
 
 contains
@@ -60,7 +61,7 @@ contains
       allocate (self%cut(all + all/16), self%split(nodes, all + all/16))
    end subroutine sides_reserve
 
-   !> Does a cell have a node with separated sides?
+   !> True if a cell has a node whose sides are separated.
    pure logical function is_cut(grid, cell, split) result(cut)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                    !! Cell of the tile, from 0
@@ -73,7 +74,7 @@ contains
       end do
    end function is_cut
 
-   !> The gradient of particles in cells with such nodes is that of the cell alone.
+   !> Use the gradient of the cell alone for particles in cells with separated sides.
    pure subroutine sides_take_cells(self, grid, tile, shape)
       class(sides_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -91,7 +92,7 @@ contains
       end do
    end subroutine sides_take_cells
 
-   !> The dual gradient passes over cells with such nodes.
+   !> Give cells with separated sides no weight in the dual gradient.
    pure subroutine sides_drop_cells(self, grid, tile, weight)
       class(sides_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -112,7 +113,7 @@ contains
       integer, intent(in) :: lane                    !! Number of a node of the cell
       real(wp), intent(in) :: local(3)               !! Local coordinates of the particle
       real(wp), intent(out) :: weight                !! Function of the node [1]
-      real(wp), intent(out) :: away(3)               !! From the node to the particle [m]
+      real(wp), intent(out) :: away(3)               !! Vector from the node to the particle [m]
       integer :: k
 
       weight = product(grid%lane_constant(lane, :) + grid%lane_slope(lane, :)*local)
@@ -144,7 +145,7 @@ contains
    !> Failed volume of a particle [m3].
    pure real(wp) function measure_failed(store, particle) result(volume)
       type(store_t), intent(in) :: store
-      integer, intent(in) :: particle                !! Of the store
+      integer, intent(in) :: particle                !! Index in the store
 
       volume = 0.0_wp
       if (.not. allocated(store%state%failed)) return
@@ -199,8 +200,8 @@ contains
    !> Axis of a node: the direction along which the gradients around it differ most. Zero where
    !! nothing or too little has failed. Its sign is that of its greatest component. Equation (C.11).
    pure function find_axis(sums, volume) result(axis)
-      real(wp), intent(in) :: sums(product_rows)     !! Of the particles
-      real(wp), intent(in) :: volume                 !! Of the node [m3]
+      real(wp), intent(in) :: sums(product_rows)     !! Sums over the particles
+      real(wp), intent(in) :: volume                 !! Volume of the node [m3]
       real(wp) :: axis(3), a(3, 3), v(3, 3), all
       integer :: turn, k
 
@@ -309,7 +310,7 @@ contains
    !! axis, as is its gradient; sides whose gradients point towards each other are one body.
    !! Equation (C.13).
    pure logical function is_split(sums) result(split)
-      real(wp), intent(in) :: sums(part_rows)        !! Of the particles
+      real(wp), intent(in) :: sums(part_rows)        !! Sums over the particles
 
       split = min(sums(1), sums(2)) > few*(sums(1) + sums(2))
       if (split) split = sums(3)/sums(1) > sums(4)/sums(2)

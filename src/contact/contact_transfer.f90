@@ -2,9 +2,10 @@
 !> Transfers between the particles of a body with self-contact and nodes with two separated sides,
 !! with the linear functions of the cell.
 !!
-!! Where no node is separated, the kernels of other bodies are used. They are also used for the
-!! whole tile; then the sums of the separated nodes are computed again, and particles of the other
-!! side get the difference to the first side. Section "Failed material" of doc/theory/contact.md.
+!! Tiles without separated nodes use the kernels of other bodies. Tiles with such nodes use them
+!! too; then the sums of the separated nodes are computed again for each side, and particles on the
+!! second side get the difference from the first side. Section "Failed material" of
+!! doc/theory/contact.md.
 module contact_transfer
    use base_kinds, only: wp
    use contact_sides, only: is_cut, lane_place
@@ -73,7 +74,7 @@ contains
    !> Velocity field of a particle at a position near it [m/s].
    pure function velocity_at(store, particle, away) result(velocity)
       type(store_t), intent(in) :: store
-      integer, intent(in) :: particle                !! Of the store
+      integer, intent(in) :: particle                !! Index in the store
       real(wp), intent(in) :: away(3)                !! Position relative to the particle [m]
       real(wp) :: velocity(3)
       integer :: l
@@ -104,7 +105,7 @@ contains
 
    !> Add sum S_i (theirs_i - mine_i), times a factor, to columns of the particles that are on the
    !! other side of node i. Equation (C.15).
-   ! gate: long kernel because the columns of both sides are arguments of their own
+   ! gate: long kernel because the columns of both sides are separate arguments
    pure subroutine add_other_values(grid, shape, first, other, split, factor, mine, theirs, &
       before, values)
       type(grid_t), intent(in) :: grid
@@ -113,8 +114,8 @@ contains
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       logical, intent(in) :: split(:)                !! (node)
       real(wp), intent(in) :: factor                 !! Such as the step [s]
-      real(wp), intent(in) :: mine(:, :)             !! (column, node) Of the first side
-      real(wp), intent(in) :: theirs(:, :)           !! (column, node) Of the other side
+      real(wp), intent(in) :: mine(:, :)             !! (column, node) Node values of the first side
+      real(wp), intent(in) :: theirs(:, :)           !! (column, node) Node values of the other side
       integer, intent(in) :: before                  !! Rows of the values before the tile
       real(wp), intent(inout) :: values(:, :)        !! (particle, column)
       real(wp) :: weight, away(3), local(3)
@@ -207,7 +208,7 @@ contains
 
    !> Extent of the particles of one side along the normals of the separated nodes of a tile: one
    !! side of (C.2).
-   ! gate: long kernel because the widths of particles are found elsewhere
+   ! gate: long kernel because the widths of particles are an argument
    pure subroutine find_side_reach(grid, shape, first, other, split, side, half, normal, reach)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located

@@ -71,7 +71,7 @@ contains
    pure real(wp) function mean_alpha(kind, centre, dimensions) result(mean)
       integer, intent(in) :: kind                    !! One of the kinds above
       real(wp), intent(in) :: centre                 !! Value at the centre of the cell
-      integer, intent(in) :: dimensions              !! Of the scene
+      integer, intent(in) :: dimensions              !! Dimensions of the scene
 
       select case (kind)
       case (alpha_product)

@@ -196,7 +196,7 @@ contains
       integer, intent(in) :: first                   !! First node
       integer, intent(in) :: last                    !! Last index
       integer, intent(in) :: before                  !! Components before the three
-      integer, intent(in) :: nodes                   !! Of the tile
+      integer, intent(in) :: nodes                   !! Number of nodes of the tile
       real(wp), intent(in) :: tensor(9*nodes)        !! (component and node)
       real(wp), intent(inout) :: field(parts*nodes + 1) !! (number)
       integer :: node, k
@@ -217,7 +217,7 @@ contains
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(inout) :: field(numbers)      !! On the nodes in, between them out
       integer :: n
 
@@ -229,13 +229,13 @@ contains
 
    !> Add the value at the next node, minus that at the previous node.
    pure subroutine add_change(numbers, pad, low, high, shift, sums, patch)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: pad                     !! Offset in memory
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: sums(1 - pad:numbers)  !! Between a node and the next
-      real(wp), intent(inout) :: patch(numbers)      !! On the nodes
+      real(wp), intent(inout) :: patch(numbers)      !! Values on the nodes
       integer :: n
 
       !$omp simd
@@ -320,7 +320,7 @@ contains
 
    !> The two directions other than a given one.
    pure subroutine others(direction, one, other)
-      integer, intent(in) :: direction               !! Of the derivative
+      integer, intent(in) :: direction               !! Direction of the derivative
       integer, intent(out) :: one                    !! The lower of the others
       integer, intent(out) :: other                  !! The higher one
 
@@ -330,12 +330,12 @@ contains
 
    !> Integrals along a direction of the node values.
    pure subroutine mean_along(numbers, low, high, shift, line, field, means)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
-      real(wp), intent(in) :: field(numbers)         !! On the nodes
+      real(wp), intent(in) :: field(numbers)         !! Values on the nodes
       real(wp), intent(inout) :: means(numbers)      !! Between a node and the next [field m]
       integer :: n
 
@@ -347,13 +347,13 @@ contains
 
    !> The transpose of that.
    pure subroutine add_line(numbers, low, high, shift, line, sums, field)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
       real(wp), intent(in) :: sums(numbers)          !! Between a node and the next
-      real(wp), intent(inout) :: field(numbers)      !! On the nodes
+      real(wp), intent(inout) :: field(numbers)      !! Values on the nodes
       integer :: n
 
       !$omp simd
@@ -365,7 +365,7 @@ contains
 
    !> Add products to the numbers of the next node.
    pure subroutine add_shifted(numbers, low, high, shift, line, sums, field)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
@@ -382,12 +382,12 @@ contains
 
    !> Differences along a direction, times a factor.
    pure subroutine difference_along(numbers, low, high, shift, factor, field, differences)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: factor                 !! Factor
-      real(wp), intent(in) :: field(numbers)         !! On the nodes
+      real(wp), intent(in) :: field(numbers)         !! Values on the nodes
       real(wp), intent(inout) :: differences(numbers) !! Between a node and the next
       integer :: n
 
@@ -399,13 +399,13 @@ contains
 
    !> Minus its transpose: the gain of one node is the loss of the other.
    pure subroutine add_difference(numbers, low, high, shift, factor, sums, field)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: factor                 !! Factor
       real(wp), intent(in) :: sums(numbers)          !! Between a node and the next
-      real(wp), intent(inout) :: field(numbers)      !! On the nodes
+      real(wp), intent(inout) :: field(numbers)      !! Values on the nodes
       integer :: n
 
       !$omp simd
@@ -423,7 +423,7 @@ contains
    !! the next node along the third direction.
    ! gate: long kernel because directions are given by their shifts
    pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: pad                     !! Offset in memory
       integer, intent(in) :: low                     !! First number of a cell
       integer, intent(in) :: high                    !! Last index
@@ -432,7 +432,7 @@ contains
       integer, intent(in) :: third                   !! The same, third direction
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the four corners of a face
-      real(wp), intent(inout) :: sums(1 - pad:numbers) !! On the same corners
+      real(wp), intent(inout) :: sums(1 - pad:numbers) !! Sums on the same corners
       real(wp) :: part(1 - pad:numbers, 4), a, a0, a1, b, b0, b1
       integer :: n, k
 
@@ -465,14 +465,14 @@ contains
 
    !> The same along a single direction.
    pure subroutine apply_line_mass(numbers, low, high, shift, mass, weight, field, sums)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First number of a cell
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Numbers to the next node, 0 if missing
       real(wp), intent(in) :: mass(numbers, 3)       !! Integrals of products [m]
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the two corners of an edge
-      real(wp), intent(inout) :: sums(numbers)       !! On the same corners
+      real(wp), intent(inout) :: sums(numbers)       !! Sums on the same corners
       integer :: n
 
       !$omp simd

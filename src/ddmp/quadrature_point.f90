@@ -56,7 +56,7 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      ! without factors there is no argument
+      ! if `factor` is not allocated, the optional argument is absent
       call scatter_dual_force(grid, shape%start, first, shape%blend, shape%alpha, volume, stress, &
          patch, shape%factor)
    end subroutine point_scatter_force

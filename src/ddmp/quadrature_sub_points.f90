@@ -88,7 +88,7 @@ contains
       class(quadrature_sub_points_t), intent(in) :: rule     !! alpha and blend
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: direction                       !! 1 to 3
-      integer, intent(in) :: cell                            !! Of the box along it, from 0
+      integer, intent(in) :: cell !! Index of the cell in the box along the direction, from 0
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: from, to                        !! Particles of the cell, in the tile
       real(wp), contiguous, intent(in) :: extent(:, :)       !! (particle, 3) Half edges [m]

@@ -18,14 +18,14 @@ module ductile_flow
    real(wp), parameter :: most_porosity = 0.999_wp, most_weakening = 0.99_wp
    real(wp), parameter :: steepest = 300.0_wp        !! Argument of the hyperbolic functions [1]
    real(wp), parameter :: unbounded = 1.0e200_wp     !! No upper bound of s is known [1]
-   real(wp), parameter :: tolerance = 1.0e-13_wp     !! Of the yield function [1]
+   real(wp), parameter :: tolerance = 1.0e-13_wp     !! Tolerance of the yield function [1]
 
    !> Constants of the material.
    type :: porous_t
       real(wp) :: shear = 0.0_wp                     !! Shear modulus [Pa]
       real(wp) :: hardening = 0.0_wp                 !! Slope of the strength of the matrix [Pa]
-      real(wp) :: q1 = 1.5_wp                        !! Of the porosity [1]
-      real(wp) :: q2 = 1.0_wp                        !! Of the pressure [1]
+      real(wp) :: q1 = 1.5_wp                        !! Factor q1 of the porosity [1]
+      real(wp) :: q2 = 1.0_wp                        !! Factor q2 of the pressure [1]
       real(wp) :: critical = 1.0_wp                  !! Porosity from which on voids join [1]
       real(wp) :: joining = 1.0_wp                   !! Growth of the weakening from there on [1]
       real(wp) :: least = 1.0e-6_wp                  !! Least porosity on closing [1]
@@ -39,11 +39,11 @@ module ductile_flow
       real(wp) :: trial_pressure(most_lanes)         !! [Pa]
       real(wp) :: bulk(most_lanes)                   !! Growth of p with the volume gained [Pa]
       real(wp) :: porosity(most_lanes)               !! Before the step in, after it out [1]
-      real(wp) :: strength(most_lanes)               !! Of the matrix before the step [Pa]
+      real(wp) :: strength(most_lanes)               !! Strength of the matrix before the step [Pa]
       !> New pores per unit of strain; 0 without pores, because their volume cannot grow [1]
       real(wp) :: making(most_lanes)
-      real(wp) :: making_later(most_lanes)           !! Those that count from the next step on [1]
-      real(wp) :: scaling(most_lanes)                !! Of the deviator (out) [1]
+      real(wp) :: making_later(most_lanes) !! New pores that count from the next step on [1]
+      real(wp) :: scaling(most_lanes)                !! Factor of the deviator, on return [1]
       real(wp) :: pressure(most_lanes)               !! After the step (out) [Pa]
       real(wp) :: gained(most_lanes)                 !! Volume gained over that after it (out) [1]
       real(wp) :: strain(most_lanes)                 !! Plastic increment of the matrix (out) [1]
@@ -55,8 +55,8 @@ module ductile_flow
       real(wp) :: unit(most_lanes)                   !! Flow at s = 1 [1/Pa]
       real(wp) :: s(most_lanes)                      !! Present value [1]
       real(wp) :: last(most_lanes)                   !! Value before [1]
-      real(wp) :: miss(most_lanes)                   !! Of the yield function at s [1]
-      real(wp) :: last_miss(most_lanes)              !! At the value before [1]
+      real(wp) :: miss(most_lanes)                   !! Residual of the yield function at s [1]
+      real(wp) :: last_miss(most_lanes)              !! Residual at the value before [1]
       real(wp) :: lower(most_lanes)                  !! Lower bound of s [1]
       real(wp) :: upper(most_lanes)                  !! Upper bound of s, huge: unknown [1]
       real(wp) :: going(most_lanes)                  !! 1 if s is to be found, else 0

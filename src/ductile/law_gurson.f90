@@ -36,7 +36,7 @@ module law_gurson
    type, extends(law_t) :: law_gurson_t
       type(porous_t) :: porous                       !! Yield surface
       type(nucleation_t), allocatable :: nucleation  !! Only if pores appear
-      real(wp) :: yield = 0.0_wp                     !! Of the matrix without strain [Pa]
+      real(wp) :: yield = 0.0_wp !! Yield stress of the matrix without strain [Pa]
       real(wp) :: start = 0.0_wp                     !! Porosity of the reference state [1]
    contains
       procedure :: declare => gurson_declare         !! Declares its keys
@@ -242,7 +242,7 @@ contains
       type(pore_lanes_t), intent(in) :: group
       real(wp), intent(in) :: excess(most_lanes)     !! Over the yield surface [1]
       type(deformation_t), intent(inout) :: deformation !! Step of the range
-      type(pore_lanes_t), intent(inout) :: lanes     !! Those that flow
+      type(pore_lanes_t), intent(inout) :: lanes     !! Lanes that flow
       integer :: i, l, n
 
       lanes%count = 0

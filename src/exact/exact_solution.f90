@@ -15,10 +15,10 @@ module exact_solution
 
    !> An exact solution in one material.
    type, abstract :: exact_t
-      real(wp) :: density = 1.0_wp                   !! Of the material at rest [kg/m3]
+      real(wp) :: density = 1.0_wp                   !! Density of the material at rest [kg/m3]
       real(wp) :: lambda = 0.0_wp                    !! First constant of Lame [Pa]
       real(wp) :: shear = 0.0_wp                     !! Second constant of Lame [Pa]
-      real(wp) :: origin(3) = 0.0_wp                 !! Of the coordinates of the solution [m]
+      real(wp) :: origin(3) = 0.0_wp !! Origin of the coordinates of the solution [m]
       integer :: dimensions = 3                      !! 1, 2 (x and z) or 3
       logical :: hyperelastic = .false. !! Is the material neo-Hookean, else hypoelastic?
    contains
@@ -29,7 +29,7 @@ module exact_solution
       procedure(place_i), deferred :: place          !! Position and velocity of a point
       procedure(gradient_i), deferred :: gradient    !! Deformation gradient of a point
       procedure :: forced => exact_forced            !! Is it a manufactured solution?
-      procedure :: body_force => exact_body_force    !! Its body force
+      procedure :: body_force => exact_body_force    !! Body force of the solution
       procedure :: young => exact_young              !! Young's modulus of the material
       procedure :: stress => exact_stress            !! Cauchy stress of a deformation gradient
    end type exact_t

@@ -28,7 +28,7 @@ module eos_jwl
       real(wp) :: r2 = 1.0_wp                        !! R2 [1]
       real(wp) :: omega = 0.0_wp                     !! w, the Grueneisen number [1]
       real(wp) :: chemical = 0.0_wp                  !! E0, energy per reference volume [J/m3]
-      real(wp) :: speed = 0.0_wp                     !! Of detonation [m/s]
+      real(wp) :: speed = 0.0_wp                     !! Detonation speed [m/s]
       real(wp) :: detonated = 1.0_wp                 !! V of the Chapman-Jouguet state [1]
    contains
       procedure :: declare => jwl_declare            !! Declares its keys

@@ -18,27 +18,27 @@ module explosive_burn
 
    !> Where and when detonations begin.
    type :: detonator_t
-      integer :: shape = detonator_point             !! One of those above
+      integer :: shape = detonator_point             !! One of the shapes above
       real(wp) :: point(3) = 0.0_wp                  !! The point, or one of line or plane [m]
       real(wp) :: other(3) = 0.0_wp                  !! End of the line, or normal of the plane
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: speed = 0.0_wp                     !! [m/s]
    contains
-      procedure :: foot => detonator_foot            !! Its point nearest to a place
+      procedure :: foot => detonator_foot            !! Point of the detonator nearest to a position
    end type detonator_t
 
    !> Burn of an explosive.
    type :: burn_t
       real(wp) :: time = 0.0_wp                      !! At the end of the step [s]
-      real(wp) :: rate = 0.0_wp                      !! Of growth of the burn fraction [1/s]
-      real(wp) :: speed = 0.0_wp                     !! Of detonation [m/s]
+      real(wp) :: rate = 0.0_wp                      !! Growth rate of the burn fraction [1/s]
+      real(wp) :: speed = 0.0_wp                     !! Detonation speed [m/s]
       real(wp) :: cells = 0.0_wp                     !! Width of the front over that of a cell [1]
-      real(wp) :: density = 0.0_wp                   !! Of the explosive [kg/m3]
+      real(wp) :: density = 0.0_wp                   !! Density of the explosive [kg/m3]
       real(wp) :: detonated = 1.0_wp                 !! Relative volume behind the front [1]
-      logical :: compressed = .false.                !! Does compression burn as well?
-      type(detonator_t), allocatable :: detonators(:) !! Those that reach it
+      logical :: compressed = .false.                !! Does compression also burn the explosive?
+      type(detonator_t), allocatable :: detonators(:) !! Detonators that can reach it
    contains
-      procedure :: read => burn_read                 !! From the &material
+      procedure :: read => burn_read                 !! Read the keys of &material
       procedure :: apply => burn_apply               !! Pressure times the fraction
    end type burn_t
 
@@ -69,7 +69,7 @@ contains
    pure subroutine burn_read(self, group, eos)
       class(burn_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      class(eos_t), intent(in) :: eos                !! Of its products
+      class(eos_t), intent(in) :: eos                !! Equation of state of its products
       character(len=:), allocatable :: word
 
       call group%get("burn_cells", self%cells)

@@ -19,8 +19,8 @@ module explosive_paths
    !> Bend from which a straight part of a path begins.
    type :: bend_t
       real(wp) :: place(3) = 0.0_wp                  !! [m]
-      real(wp) :: time = never_burns                 !! Of the detonation there [s]
-      real(wp) :: speed = 1.0_wp                     !! From there on [m/s]
+      real(wp) :: time = never_burns                 !! Arrival time of the detonation [s]
+      real(wp) :: speed = 1.0_wp                     !! Detonation speed from this point on [m/s]
    end type bend_t
 
    !> Arrival at the corners of the cells of a map.
@@ -152,13 +152,13 @@ contains
       end do
    end function touches_open
 
-   !> Route the path of a corner by its neighbours where that is earlier.
+   !> Route the path of a corner through a neighbour if the detonation then arrives earlier.
    subroutine improve(paths, map, counts, number, changed)
       type(detonation_paths_t), intent(inout) :: paths
       type(sight_map_t), intent(in) :: map
       integer, intent(in) :: counts(3)               !! Corners along each direction
-      integer, intent(in) :: number                  !! Of the corner
-      logical, intent(inout) :: changed              !! Becomes true if it is earlier
+      integer, intent(in) :: number                  !! Number of the corner
+      logical, intent(inout) :: changed              !! Becomes true if the path has changed
       integer :: place(3), beside(3), i, j, k, n
       real(wp) :: here(3)
       type(bend_t) :: corner
@@ -182,7 +182,7 @@ contains
 
    contains
 
-      !> Use a path from a bend if it is earlier and open.
+      !> Use a path from a bend if the detonation arrives earlier by it and the line is open.
       subroutine try(bend)
          type(bend_t), intent(in) :: bend            !! Whole part before the line to the corner
          real(wp) :: time

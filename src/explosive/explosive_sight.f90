@@ -18,7 +18,7 @@ module explosive_sight
       integer :: cells(3) = 1                        !! Along each direction, 1 if inactive
       logical, allocatable :: open(:)                !! (cell from 0) Can a detonation pass?
    contains
-      procedure :: start => sight_map_start          !! From the content of the cells
+      procedure :: start => sight_map_start          !! Set up from the content of the cells
       procedure :: cell_of => sight_map_cell_of      !! Position of the cell of a point
       procedure :: is_open => sight_map_is_open      !! Is a cell open? True outside of the box
       procedure :: sees => sight_map_sees            !! Is a straight line open?
@@ -70,7 +70,7 @@ contains
    !> Number of a cell from its position.
    pure integer function number_of(map, place) result(number)
       type(sight_map_t), intent(in) :: map
-      integer, intent(in) :: place(3)                !! From 0, inside the box
+      integer, intent(in) :: place(3)                !! Index from 0, inside the box
 
       number = place(1) + map%cells(1)*(place(2) + map%cells(2)*place(3))
    end function number_of

@@ -23,11 +23,11 @@ module grains_cell
    !> Sums of stresses over time.
    type :: mean_t
       real(wp) :: time = 0.0_wp                      !! Time interval of the means [s]
-      real(wp) :: contact(9) = 0.0_wp                !! Of forces times branches, times dt [J s]
-      real(wp) :: kinetic(9) = 0.0_wp                !! Of m u u, times dt [J s]
+      real(wp) :: contact(9) = 0.0_wp !! Sum of forces times branch vectors, times dt [J s]
+      real(wp) :: kinetic(9) = 0.0_wp                !! Sum of m u u, times dt [J s]
    end type mean_t
 
-   !> The coordinates at which the present pairs were found.
+   !> The coordinates at which the current pairs were found.
    type :: reference_t
       real(wp), allocatable :: place(:, :)           !! (axis, row)
       real(wp) :: edges(3, 3) = 0.0_wp               !! [m]
@@ -45,17 +45,17 @@ module grains_cell
       type(halo_t) :: halo
       type(reference_t) :: reference
       integer(int64) :: step = 0
-      integer(int64) :: searches = 0                 !! How often pairs were found
+      integer(int64) :: searches = 0                 !! Number of neighbour searches
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! [s]
       real(wp) :: collision = 0.0_wp                 !! Duration of the shortest collision [s]
       real(wp) :: skin = 0.0_wp !! Gap of surfaces up to which pairs are found [m]
       real(wp) :: diameter = 0.0_wp                  !! Mean diameter [m]
-      real(wp) :: density = 0.0_wp                   !! Of the grains [kg/m3]
+      real(wp) :: density = 0.0_wp                   !! Density of the grains [kg/m3]
       real(wp) :: solid = 0.0_wp                     !! Volume of all grains [m3]
       real(wp) :: contact(9) = 0.0_wp                !! Sum of forces times branches [J]
       real(wp) :: kinetic(9) = 0.0_wp                !! Sum of m u u [J]
-      real(wp) :: work = 0.0_wp                      !! Of the stress on the cell so far [J]
+      real(wp) :: work = 0.0_wp                      !! Work of the stress on the cell so far [J]
       real(wp) :: lost_before(losses) = 0.0_wp       !! Losses before the energy balance [J]
       type(exact_sum_t) :: lost(losses)              !! By separated pairs, on this rank [J]
       type(mean_t) :: mean                           !! Since the last row of the history
@@ -63,7 +63,7 @@ module grains_cell
       procedure :: stress => cell_stress             !! Stress of sums
       procedure :: pressure => cell_pressure         !! Mean pressure
       procedure :: volume_fraction => cell_volume_fraction !! Solid volume over cell volume
-      procedure :: inertial_number => cell_inertial_number !! Of the given shear and pressure
+      procedure :: inertial_number => cell_inertial_number !! For the given shear and pressure
    end type cell_t
 
 contains

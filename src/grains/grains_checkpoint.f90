@@ -24,7 +24,7 @@ contains
 
    !> Write the state. Collective; the same on all ranks.
    subroutine save_cell(cell, path, energy_at_start, state)
-      type(cell_t), intent(inout) :: cell            !! Not changed but for rows of other ranks
+      type(cell_t), intent(inout) :: cell            !! Only rows of other ranks are changed
       type(path_t), intent(in) :: path
       real(wp), intent(in) :: energy_at_start        !! [J]
       type(state_t), intent(out) :: state
@@ -78,7 +78,7 @@ contains
 
       call cell%lost(loss)%save(words)
       call cell%communicator%total(words)
-      ! once more for the carries between ranks
+      ! a second `save` performs the carries of the sum over ranks
       call sum%load(words)
       call sum%save(words)
    end subroutine save_lost
@@ -92,7 +92,7 @@ contains
       call state%set(name, reshape(values, [size(values)]))
    end subroutine set_rows
 
-   !> Bring records into the order of their identities, which does not depend on ranks.
+   !> Sort records by identity, so that their order does not depend on ranks.
    pure subroutine sort_records(records)
       real(wp), intent(inout) :: records(:, :)       !! (word, record)
       real(wp) :: record(record_words)
@@ -127,7 +127,7 @@ contains
       type(cell_t), intent(inout) :: cell            !! As the deck describes it
       type(path_t), intent(inout) :: path
       real(wp), intent(out) :: energy_at_start       !! [J]
-      type(error_t), allocatable, intent(out) :: error !! Of other grains
+      type(error_t), allocatable, intent(out) :: error !! The file is of other grains
       integer(int64), allocatable :: words(:)
       real(wp), allocatable :: numbers(:)
 

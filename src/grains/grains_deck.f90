@@ -134,7 +134,7 @@ contains
    !! small margin [1].
    pure real(wp) function loosest(dimension, spread) result(fraction)
       integer, intent(in) :: dimension
-      real(wp), intent(in) :: spread                 !! Of &grains
+      real(wp), intent(in) :: spread                 !! Key `spread` of &grains
       real(wp), parameter :: room = 0.9_wp
 
       fraction = room*merge(pi/4.0_wp, pi/6.0_wp, dimension == 2)/(1.0_wp + spread)**dimension

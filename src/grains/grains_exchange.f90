@@ -29,7 +29,7 @@ contains
    !! last row.
    pure integer function first_row_of(count, rank, ranks) result(row)
       integer, intent(in) :: count                   !! Rows
-      integer, intent(in) :: rank, ranks             !! Which of how many
+      integer, intent(in) :: rank, ranks             !! Number of the rank, number of ranks
       integer(int64) :: blocks
 
       blocks = (count + block_rows - 1)/block_rows

@@ -6,9 +6,9 @@
 !! k_n = normal q, the tangential one k_t = tangential q, the dashpot g = damping sqrt(q m) with the
 !! reduced mass m. Linear: q = 1 (P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47). Hertz
 !! and Mindlin: q = sqrt(R overlap) with the reduced radius R, normal = 4/3 E, tangential = 8 G of
-!! the
-!! pair (K. L. Johnson, Contact Mechanics, 1985, eq. 4.23 and 7.42); its damping gives a restitution
-!! that does not depend on the speed (Y. Tsuji and others, Powder Technology 71 (1992) 239).
+!! the pair (K. L. Johnson, Contact Mechanics, 1985, eq. 4.23 and 7.42); its damping gives a
+!! restitution that does not depend on the speed (Y. Tsuji and others, Powder Technology 71 (1992)
+!! 239).
 !!
 !! Equations of doc/theory/grains.md.
 module grains_law
@@ -28,8 +28,8 @@ module grains_law
       real(wp) :: friction = 0.0_wp                  !! Coefficient of Coulomb friction [1]
       real(wp) :: stored = 0.5_wp                    !! Energy of the normal spring/(k_n overlap^2)
    contains
-      procedure :: duration => law_duration          !! Of a collision [s]
-      procedure :: modulus => law_modulus            !! Of a dense packing, roughly [Pa]
+      procedure :: duration => law_duration          !! Duration of a collision [s]
+      procedure :: modulus => law_modulus            !! Approximate modulus of a dense packing [Pa]
    end type contact_law_t
 
 contains
@@ -51,7 +51,7 @@ contains
 
    !> Hertz spheres of one elastic material.
    pure function hertz_law(young, poisson, restitution, friction) result(law)
-      real(wp), intent(in) :: young                  !! Of the material of the grains [Pa]
+      real(wp), intent(in) :: young !! Young's modulus of the material of the grains [Pa]
       real(wp), intent(in) :: poisson                !! [1]
       real(wp), intent(in) :: restitution            !! e, > 0 and <= 1
       real(wp), intent(in) :: friction               !! [1]
@@ -76,7 +76,7 @@ contains
       class(contact_law_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! Reduced mass of the pair [kg]
       real(wp), intent(in) :: radius                 !! Reduced radius of the pair [m]
-      real(wp), intent(in) :: speed                  !! Of approach, for Hertz [m/s]
+      real(wp), intent(in) :: speed                  !! Speed of approach, needed for Hertz [m/s]
       real(wp), parameter :: hertz_factor = 2.86802_wp
       real(wp) :: pair
 

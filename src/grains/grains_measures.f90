@@ -26,15 +26,15 @@ module grains_measures
       real(wp) :: springs = 0.0_wp                   !! Stored along the lines of centres
       real(wp) :: shear = 0.0_wp                     !! Stored tangentially
       real(wp) :: lost(losses) = 0.0_wp              !! By dashpots, friction, time step
-      real(wp) :: work = 0.0_wp                      !! Of the stress on the cell
-      real(wp) :: total = 0.0_wp                     !! Of all but work, with half steps
+      real(wp) :: work = 0.0_wp                      !! Work of the stress on the cell
+      real(wp) :: total = 0.0_wp !! Sum of all energies except work, with half steps
    end type energy_t
 
    !> Counts and means of contacts. A rattler has fewer contacts than a grain needs for equilibrium:
    !! two for discs, three for spheres.
    type :: contact_counts_t
       integer(int64) :: contacts = 0
-      integer(int64) :: sliding = 0                  !! Those that slipped in the last step
+      integer(int64) :: sliding = 0                  !! Contacts that slipped in the last step
       integer(int64) :: rattlers = 0                 !! Grains with too few contacts
       integer(int64) :: held = 0                     !! Contacts of non-rattlers, each end
       real(wp) :: fabric(6) = 0.0_wp                 !! Mean n n, xx yy zz xy xz yz [1]
@@ -212,7 +212,7 @@ contains
    pure subroutine mean_stress(cell, stress, agitation)
       type(cell_t), intent(in) :: cell
       real(wp), intent(out) :: stress(3, 3)
-      real(wp), intent(out) :: agitation(3, 3)       !! Of m u u only
+      real(wp), intent(out) :: agitation(3, 3)       !! Stress from m u u only
       real(wp), parameter :: none(9) = 0.0_wp
 
       associate (mean => cell%mean)

@@ -111,7 +111,7 @@ contains
    !> Number of a bin, from 1.
    pure integer function bin_of(number, cell) result(bin)
       integer, intent(in) :: number(3)               !! Bins along each edge
-      integer, intent(in) :: cell(3)                 !! Its place, from 0
+      integer, intent(in) :: cell(3)                 !! Index of the bin, from 0
 
       bin = 1 + cell(1) + number(1)*(cell(2) + number(2)*cell(3))
    end function bin_of
@@ -155,13 +155,14 @@ contains
       if (.not. write_them) near%start(own + 1) = found
    end subroutine search_row
 
-   !> Find whether two grains are near, and the edges to add to the second one.
+   !> Decide whether two grains are within the search distance, and find the edges to add to the
+   !! coordinates of the second one.
    pure subroutine compare(grains, box, skin, row, other, shift, is_near)
       type(grains_t), intent(in) :: grains
       type(box_t), intent(in) :: box
       real(wp), intent(in) :: skin                   !! [m]
       integer, intent(in) :: row, other              !! Rows
-      real(wp), intent(out) :: shift(3)              !! Of the nearest image [1]
+      real(wp), intent(out) :: shift(3)              !! Shift of the nearest image [1]
       logical, intent(out) :: is_near
       real(wp) :: apart(3)
 
@@ -180,7 +181,7 @@ contains
          (grains%radius(row) + grains%radius(other) + skin)**2
    end subroutine compare
 
-   !> Bring the neighbours of a row into the order of their identities.
+   !> Sort the neighbours of a row by identity.
    pure subroutine sort_neighbours(grains, near, own)
       type(grains_t), intent(in) :: grains
       type(neighbours_t), intent(inout) :: near
@@ -234,7 +235,8 @@ contains
       !$omp end parallel do
    end subroutine make_pairs
 
-   !> True if a pair is made by this row: the other is of another rank or has the higher identity.
+   !> True if this row makes the pair: the neighbour belongs to another rank or has the higher
+   !! identity.
    pure logical function leads(grains, row, other) result(makes)
       type(grains_t), intent(in) :: grains
       integer, intent(in) :: row, other              !! Rows

@@ -66,7 +66,7 @@ contains
       call self%grains%open(cell%communicator, self%folder, self%case//"_grains", &
          self%snapshots, note, error)
       if (allocated(error)) return
-      ! an index of a series is for points
+      ! an index of a series is written for particles only, and contacts are lines
       self%contacts%of_grids = .true.
       call self%contacts%open(cell%communicator, self%folder, self%case//"_contacts", &
          self%snapshots, more, error)

@@ -18,7 +18,7 @@ contains
 
    !> Radii of grains: uniform in diameter, or two sizes of equal number.
    pure subroutine grain_radii(seed, diameter, spread, two_sizes, radius)
-      integer(int64), intent(in) :: seed             !! Of the random numbers
+      integer(int64), intent(in) :: seed             !! Seed of the random numbers
       real(wp), intent(in) :: diameter               !! Mean [m]
       real(wp), intent(in) :: spread                 !! Half the range over the mean, or of the two
       logical, intent(in) :: two_sizes               !! Only the ends of the range?
@@ -30,7 +30,7 @@ contains
       key = [(random_bits(seed, int(n, int64), of_size)/2_int64, n=1, count)]
       order = sort_order(key)
       do n = 1, count
-         ! ranks, not random numbers, so that the mean is the mean
+         ! diameters are spaced evenly, not drawn at random, so that their mean is exact
          if (two_sizes) then
             radius(order(n)) = 0.5_wp*diameter*(1.0_wp + spread*merge(1.0_wp, -1.0_wp, &
                2*n > count))
@@ -56,7 +56,7 @@ contains
    !> Put grains on a square or cubic lattice in random order, shifted at random without overlap,
    !! with random velocities and no mean momentum.
    pure subroutine fill_random(seed, fraction, aspect, speed, cell)
-      integer(int64), intent(in) :: seed             !! Of the random numbers
+      integer(int64), intent(in) :: seed             !! Seed of the random numbers
       real(wp), intent(in) :: fraction               !! Solid volume over cell volume [1]
       real(wp), intent(in) :: aspect(3)              !! Edges of the cell relative to each other
       real(wp), intent(in) :: speed                  !! Root of the mean square of a component [m/s]
@@ -123,9 +123,9 @@ contains
    !> Fill the cell with a triangular lattice of discs, rows along x, or a face-centred cubic one of
    !! spheres whose neighbours are `spacing` apart.
    pure subroutine fill_lattice(number, spacing, cell)
-      integer, intent(in) :: number(3)               !! Of the rectangular cells of the lattice
+      integer, intent(in) :: number(3)               !! Number of rectangular cells of the lattice
       real(wp), intent(in) :: spacing                !! Between neighbours [m]
-      type(cell_t), intent(inout) :: cell            !! With room for 2 or 4 grains a lattice cell
+      type(cell_t), intent(inout) :: cell !! With capacity for 2 or 4 grains a lattice cell
       real(wp), parameter :: discs(3, 2) = reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, &
          0.0_wp], [3, 2])
       real(wp), parameter :: spheres(3, 4) = reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, &
@@ -160,7 +160,7 @@ contains
    !> Coordinates of the sites of one lattice cell.
    pure function in_cell(sites, cell, number) result(place)
       real(wp), intent(in) :: sites(:, :)            !! (axis, site) In the lattice cell
-      integer, intent(in) :: cell(3), number(3)      !! Which of how many
+      integer, intent(in) :: cell(3), number(3)      !! Index of the cell, number of cells
       real(wp) :: place(3, size(sites, 2))
       integer :: n
 

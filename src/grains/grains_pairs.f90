@@ -2,8 +2,7 @@
 !> Pairs of grains that are near each other, the histories of their contacts, and the forces of
 !! both.
 !!
-!! The rank of the first grain, which has the lower identity, owns the pair. A rank holds all
-!! pairs
+!! The rank of the first grain, which has the lower identity, owns the pair. A rank holds all pairs
 !! of its own rows; both ranks of a pair compute the same bits.
 module grains_pairs
    use base_kinds, only: wp
@@ -49,7 +48,7 @@ module grains_pairs
 
 contains
 
-   !> Make room for pairs without a history.
+   !> Allocate pairs without a history.
    pure subroutine pairs_allocate(self, count)
       class(pairs_t), intent(inout) :: self
       integer, intent(in) :: count                   !! Their number

@@ -17,20 +17,20 @@ module grains_path
       type(drive_t) :: drive                         !! Velocity gradient and held stresses
       real(wp) :: friction = 0.0_wp                  !! [1]
       real(wp) :: duration = 0.0_wp                  !! [s]
-      real(wp) :: fraction = 0.0_wp                  !! It ends at this volume fraction; 0: not
-      real(wp) :: quiet = 0.0_wp                     !! ... at this ratio of energies; 0: not
-      integer :: rows = 0                            !! Of the history
-      integer :: snapshots = 0                       !! Evenly over the stage
+      real(wp) :: fraction = 0.0_wp                  !! Volume fraction at its end; 0: no condition
+      real(wp) :: quiet = 0.0_wp                     !! Energy ratio at its end; 0: no condition
+      integer :: rows = 0                            !! Rows of the history
+      integer :: snapshots = 0                       !! Number of them, evenly over the stage
       logical :: probe = .false.                     !! Are moduli measured at its end?
    end type stage_t
 
    !> All stages, and the current one.
    type :: path_t
       type(stage_t), allocatable :: stages(:)
-      integer :: now = 1                             !! Stage
+      integer :: now = 1                             !! Index of the current stage
       integer(int64) :: start = 0                    !! Step at its start
-      real(wp) :: from_fraction = 0.0_wp             !! Volume fraction then
-      real(wp) :: from_height = 0.0_wp               !! Greatest distance of faces then [m]
+      real(wp) :: from_fraction = 0.0_wp             !! Volume fraction at its start
+      real(wp) :: from_height = 0.0_wp               !! Greatest distance of faces at its start [m]
    contains
       procedure :: steps => path_steps               !! Steps of a stage
       procedure :: is_row => path_is_row             !! Is a row of the history due?
@@ -112,7 +112,7 @@ contains
    subroutine read_stages(deck, cell, friction, path)
       type(deck_t), intent(in) :: deck
       type(cell_t), intent(in) :: cell               !! With grains; its edges may change later
-      real(wp), intent(in) :: friction               !! Of &grains
+      real(wp), intent(in) :: friction               !! Key `friction` of &grains
       type(path_t), intent(out) :: path
       integer :: n
 
@@ -127,7 +127,7 @@ contains
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: n                       !! Number
       type(cell_t), intent(in) :: cell
-      real(wp), intent(in) :: friction               !! Of &grains
+      real(wp), intent(in) :: friction               !! Key `friction` of &grains
       type(stage_t), intent(out) :: stage
       type(group_t) :: group
       real(wp) :: number
@@ -161,7 +161,7 @@ contains
    !> True if a row of the history is due after a step.
    pure logical function path_is_row(self, step, dt) result(due)
       class(path_t), intent(in) :: self
-      integer(int64), intent(in) :: step             !! Of the run
+      integer(int64), intent(in) :: step             !! Step of the run
       real(wp), intent(in) :: dt                     !! [s]
 
       due = is_due(step - self%start, self%steps(dt), self%stages(self%now)%rows)
@@ -170,13 +170,13 @@ contains
    !> True if a snapshot is due after a step.
    pure logical function path_is_snapshot(self, step, dt) result(due)
       class(path_t), intent(in) :: self
-      integer(int64), intent(in) :: step             !! Of the run
+      integer(int64), intent(in) :: step             !! Step of the run
       real(wp), intent(in) :: dt                     !! [s]
 
       due = is_due(step - self%start, self%steps(dt), self%stages(self%now)%snapshots)
    end function path_is_snapshot
 
-   !> True at `count` steps evenly among `steps`, the last one included.
+   !> True for `count` steps that are evenly spaced among `steps` and include the last one.
    pure logical function is_due(step, steps, count) result(due)
       integer(int64), intent(in) :: step             !! From 1
       integer(int64), intent(in) :: steps

@@ -19,7 +19,7 @@ module grains_probe
    !> Duration of the relaxation to rest, before the probes and after each strain, in units of the
    !! shortest collision time.
    real(wp), parameter :: rest_before = 400.0_wp, rest_after = 200.0_wp
-   integer, parameter :: most_rests = 20             !! Such times at most
+   integer, parameter :: most_rests = 20             !! Most repetitions of this relaxation
    real(wp), parameter :: quiet = 1.0e-20_wp         !! Kinetic over spring energy at rest
    real(wp), parameter :: calming = 0.2_wp           !! Decay of velocities in a collision time [1]
    !> Rows and columns of the components xx yy zz xy xz yz.

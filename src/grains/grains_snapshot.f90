@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Snapshots of a cell as VTKHDF files, which ParaView opens: the grains as points with a radius,
-!! and
-!! the contacts as lines with a force.
+!! and the contacts as lines with a force.
 module grains_snapshot
    use base_communicator, only: communicator_t
    use base_error, only: error_t
@@ -23,7 +22,7 @@ module grains_snapshot
 
    character(len=*), parameter :: root = "/VTKHDF"
    integer, parameter :: vertex = 1, line = 3        !! Types of cells in VTK
-   integer, parameter :: contact_words = 15          !! Of a contact that is sent to all ranks
+   integer, parameter :: contact_words = 15          !! Values per contact sent to all ranks
 
 contains
 

@@ -2,8 +2,7 @@
 !> The grains of a periodic cell: discs of 1 m thickness, or spheres.
 !!
 !! Rows are the order in memory and follow a space-filling curve from time to time; identities are
-!! the
-!! numbers of the grains at the start. Every rank holds all rows; it moves its own ones and gets
+!! the numbers of the grains at the start. Every rank holds all rows; it moves its own ones and gets
 !! those around from other ranks.
 module grains_state
    use base_constants, only: pi
@@ -18,7 +17,7 @@ module grains_state
 
    !> The grains.
    type :: grains_t
-      integer :: count = 0                           !! On all ranks
+      integer :: count = 0                           !! Number of grains on all ranks
       integer :: first = 1                           !! First own row
       integer :: last = 0                            !! Last own row
       integer, allocatable :: identity(:)            !! (row) 1 to count
@@ -39,7 +38,7 @@ module grains_state
 
 contains
 
-   !> Make room for grains, at rest.
+   !> Allocate grains at rest.
    pure subroutine grains_allocate(self, count)
       class(grains_t), intent(inout) :: self
       integer, intent(in) :: count                   !! Their number

@@ -24,7 +24,7 @@ module grains_step
    public :: advance_cell, renew_pairs, servo_gradient, start_cell
 
    real(wp), parameter :: sort_strain = 0.5_wp       !! Shear strain between two sorts of rows
-   integer, parameter :: curve_cells = 1024          !! Of the space-filling curve along an edge
+   integer, parameter :: curve_cells = 1024          !! Cells of the curve along an edge
 
 contains
 
@@ -82,8 +82,8 @@ contains
       power = -sum(reshape(cell%contact + cell%kinetic, [3, 3])*cell%box%gradient)
    end function working
 
-   !> Displacement of a grain that requires a new neighbour search: half of the skin, less the
-   !! deformation of the cell [m].
+   !> Displacement of a grain that requires a new neighbour search: half of the skin less the effect
+   !! of the deformation of the cell [m].
    pure real(wp) function reach_left(cell) result(left)
       type(cell_t), intent(in) :: cell
       real(wp) :: change(3, 3), dual(3, 3), reach
@@ -98,7 +98,7 @@ contains
       left = 0.5_wp*(cell%skin - sqrt(sum(change**2))*reach)
    end function reach_left
 
-   !> Change coordinates after edges were replaced.
+   !> Adapt the coordinates of grains to edges that were replaced by equivalent ones.
    subroutine shift_places(steps, cell)
       real(wp), intent(in) :: steps(3, 3)            !! From `reduce` of the box
       type(cell_t), intent(inout) :: cell

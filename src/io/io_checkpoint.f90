@@ -5,8 +5,7 @@
 !! Layout: step and time are attributes of the root; /particles/MATERIAL/FIELD is one data set a
 !! field, in the particle order of all files; /state has the scalar data; /deck and /deck_echo are
 !! texts. Every data set has an attribute `check`, a hash that is verified on reading; the file has
-!! a
-!! seal (io_seal).
+!! a seal (io_seal).
 module io_checkpoint
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -43,7 +42,7 @@ module io_checkpoint
    !> Sums the bytes of the fields of a store.
    type, extends(field_worker_t) :: measure_t
       type(rows_t) :: rows                                !! Rows of the store
-      integer(int64) :: bytes = 0                         !! Of all fields so far
+      integer(int64) :: bytes = 0                         !! Number of bytes of all fields so far
    contains
       procedure :: scalar => measure_scalar               !! Count a scalar field
       procedure :: vector => measure_vector               !! Count a vector or tensor field
@@ -180,7 +179,7 @@ contains
    !> Write a text.
    subroutine write_text(file, name, text)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name                !! From the root
+      character(len=*), intent(in) :: name                !! Path from the root
       character(len=*), intent(in) :: text
 
       call write_bytes(file, name, rows_of_root(file%communicator, len(text)), text)
@@ -266,7 +265,7 @@ contains
       allocate (names(count(numbers >= 0)))
       do index = 1, size(found)
          if (numbers(index) < 0) cycle
-         ! 1 and 0001 are the same number; sorting by name would give them one position
+         ! file names are counted, because 1 and 0001 are the same number and need two positions
          names(1 + count(numbers > numbers(index)) &
             + count(numbers(:index - 1) == numbers(index))) = found(index)
       end do

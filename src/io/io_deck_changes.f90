@@ -130,8 +130,8 @@ contains
 
    !> Compare the keys of a group that both decks have.
    pure subroutine compare_groups(was, is, changes)
-      type(echo_group_t), intent(in) :: was                   !! Of the checkpoint
-      type(echo_group_t), intent(in) :: is                    !! Of this run
+      type(echo_group_t), intent(in) :: was                   !! Value in the checkpoint
+      type(echo_group_t), intent(in) :: is                    !! Value in this run
       type(changes_t), intent(inout) :: changes          !! Gets the keys that differ
       integer :: n, other
 
@@ -156,7 +156,7 @@ contains
    !> Record a key that differs.
    pure subroutine add_key(changes, group, key, old, new)
       type(changes_t), intent(inout) :: changes          !! Gets a line
-      type(echo_group_t), intent(in) :: group                 !! Its group
+      type(echo_group_t), intent(in) :: group                 !! Group of the key
       character(len=*), intent(in) :: key
       character(len=*), intent(in) :: old                !! Value of the checkpoint
       character(len=*), intent(in) :: new                !! Value of this run

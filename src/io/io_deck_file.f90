@@ -131,7 +131,7 @@ contains
    subroutine read_plain_text(path, text, error)
       character(len=*), intent(in) :: path
       character(len=:), allocatable, intent(out) :: text
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be read or is no text
+      type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read or is no text
       character(len=:), allocatable :: raw
       integer :: i, lines, start
 

@@ -17,8 +17,7 @@ module io_deck_restart
    !> A group that only one of the two decks has.
    character(len=*), parameter, public :: group_added = "+", group_removed = "-"
    !> The kind of a `&boundary` that is a rigid region. Its position follows from its motion since
-   !! the
-   !! start, so a change of the motion would move it within one step.
+   !! the start, so a change of the motion would move it within one step.
    character(len=*), parameter, public :: rigid_region = "rigid"
 
    !> Keys of a group whose change has the same consequences.

@@ -28,7 +28,7 @@ module io_digest
    type, extends(field_worker_t) :: digester_t
       character(len=:), allocatable :: store             !! Name of the material
       integer, allocatable :: order(:)                   !! Indices of the particles
-      integer(int64), allocatable :: owners(:)           !! Their identities
+      integer(int64), allocatable :: owners(:)           !! Identities of the particles
       integer(int64) :: sum = 0_int64                    !! Sum of all hashes
    contains
       procedure :: scalar => digester_scalar             !! Hash a scalar field

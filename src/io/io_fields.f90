@@ -152,7 +152,7 @@ contains
    pure subroutine find_column(carried, name, column, found)
       type(column_t), intent(in) :: carried(:)           !! Fields of the particles
       character(len=*), intent(in) :: name               !! Name of the field
-      type(column_t), intent(out) :: column              !! Its description
+      type(column_t), intent(out) :: column              !! Description of the column
       logical, intent(out) :: found                      !! True if it can be written
       integer :: index
 
@@ -178,7 +178,7 @@ contains
       end select
    end subroutine find_column
 
-   !> Add a column unless it is there.
+   !> Add a column unless it is already in the list.
    pure subroutine append(columns, column)
       type(column_t), allocatable, intent(inout) :: columns(:)
       type(column_t), intent(in) :: column
@@ -311,7 +311,7 @@ contains
       class(collector_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer, intent(in) :: components                  !! Of a particle
+      integer, intent(in) :: components                  !! Number of components of a particle
       logical, intent(in) :: is_real                     !! Real, not integer
       type(column_t) :: column
 

@@ -158,7 +158,7 @@ contains
    !> Make a new folder with a unique name in TMPDIR of the environment, or in /tmp. Only the user
    !! can read it.
    subroutine make_temporary_folder(prefix, path, error)
-      character(len=*), intent(in) :: prefix             !! Of its name
+      character(len=*), intent(in) :: prefix             !! Beginning of its name
       character(len=:), allocatable, intent(out) :: path !! With its parents
       type(error_t), allocatable, intent(out) :: error   !! Cannot be made
       character(len=longest_path) :: parent

@@ -15,8 +15,7 @@ module io_fragment_sums
 
    !> Sums of a cell: 1 particles, 2 mass, 3 volume, 4 to 6 mass times position, 7 to 9 momentum, 10
    !! kinetic energy, 11 to 13 angular momentum about its centre of mass, 14 to 16 lower and 17 to
-   !! 19 upper
-   !! corner of its particles, 20 failed mass, 21 least identity.
+   !! 19 upper corner of its particles, 20 failed mass, 21 least identity.
    integer, parameter, public :: sum_words = 21
    !> Columns of a fragment: 1 number, 2 particles, 3 mass, 4 volume, 5 to 7 centre, 8 to 10
    !! velocity, 11 to 13 angular momentum, 14 kinetic energy, 15 to 17 lower and 18 to 20 upper
@@ -100,7 +99,7 @@ contains
       integer, intent(in) :: image(:, :)                 !! (3, cell) Periods by which it is shifted
       real(wp), intent(in) :: box(3)                     !! Edges of the domain [m]
       logical, intent(in) :: axisymmetric                !! If so, angular momentum is 0
-      real(wp), intent(out) :: columns(:)                !! As fragment_words lists them
+      real(wp), intent(out) :: columns(:)                !! Columns as in fragment_words
       real(wp) :: total(sum_words), shift(3), centre(3), velocity(3), angular(3)
       integer :: cell
 

@@ -172,7 +172,7 @@ contains
    !! to the first cell of the fragment.
    subroutine connect(grid, velocity_cut, map)
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: velocity_cut               !! Cells that differ by more part [m/s]
+      real(wp), intent(in) :: velocity_cut               !! Greater differences separate cells [m/s]
       type(map_t), intent(inout) :: map                  !! All cells
       integer, allocatable :: stack(:)
       integer :: start, cell, next, height, fragments, neighbour, image(3)
@@ -206,7 +206,7 @@ contains
    pure logical function joins(map, cell, next, velocity_cut) result(joined)
       type(map_t), intent(in) :: map                     !! All cells
       integer, intent(in) :: cell                        !! Index among the cells
-      integer, intent(in) :: next                        !! Its neighbour, 0 = without particles
+      integer, intent(in) :: next                        !! Index of the neighbour, 0 = no particles
       real(wp), intent(in) :: velocity_cut               !! Least velocity of separation [m/s]
 
       joined = .false.
@@ -221,9 +221,9 @@ contains
    pure subroutine step_to(grid, map, cell, way, next, image)
       type(grid_t), intent(in) :: grid
       type(map_t), intent(in) :: map                     !! All cells
-      integer, intent(in) :: cell                        !! From here
-      integer, intent(in) :: way(3)                      !! -1, 0 or 1 along each direction
-      integer, intent(out) :: next                       !! The other one
+      integer, intent(in) :: cell                        !! Index of the cell
+      integer, intent(in) :: way(3)                      !! Direction: -1, 0 or 1 along each axis
+      integer, intent(out) :: next                       !! Index of the neighbour
       integer, intent(out) :: image(3)                   !! Shift in periods
       integer :: place(3), direction
 

@@ -31,17 +31,17 @@ module io_gauge
    !! radius.
    real(wp), parameter :: least_spread = 1.0e-3_wp
    integer, parameter :: basis_size = 4                  !! 1 and three coordinates
-   integer, parameter :: products = 10                   !! Of pairs of these
+   integer, parameter :: products = 10 !! Number of products of two basis functions
 
    !> Definition of a gauge.
    type :: gauge_t
       integer :: kind = at_point                         !! One of the constants above
       real(wp) :: point(3) = 0.0_wp                      !! Position, or initial position [m]
-      real(wp) :: radius = 0.0_wp                        !! Of the observed material [m]
-      real(wp) :: depth = 0.0_wp                         !! The same below a surface [m]
-      integer :: axis = 1                                !! Normal of the surface, about
+      real(wp) :: radius = 0.0_wp                        !! Radius of the observed material [m]
+      real(wp) :: depth = 0.0_wp !! Depth below a surface, instead of a height [m]
+      integer :: axis = 1                                !! Axis closest to the surface normal
       real(wp) :: side = 1.0_wp                          !! 1: the upper side along it, -1: lower
-      integer(int64) :: identity = -1_int64              !! Of the particle, -1 = not found yet
+      integer(int64) :: identity = -1_int64 !! Identity of the particle, -1 = not found yet
       type(mean_t), allocatable :: means(:)              !! Fields
       type(pick_rule_t) :: rule                          !! Visible particles
    end type gauge_t
@@ -92,7 +92,7 @@ contains
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: stores(:)
       type(gauge_t), intent(inout) :: gauge              !! Gets the identity
-      real(wp), intent(out) :: distance                  !! Of the particle; huge if none [m]
+      real(wp), intent(out) :: distance !! Distance of the particle; huge if there is none [m]
       integer, allocatable :: order(:)
       integer(int64) :: identity(1)
       real(wp) :: square, least
@@ -219,7 +219,7 @@ contains
    !> Values at the centre of linear functions that are fitted to the particles. Collective.
    subroutine fit(communicator, active, stores, picks, weight, offset, means, row)
       type(communicator_t), intent(in) :: communicator
-      logical, intent(in) :: active(3)                   !! Directions that there are
+      logical, intent(in) :: active(3)                   !! (direction) Does the scene have it?
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       real(wp), intent(in) :: weight(:)                  !! (row)
@@ -314,7 +314,7 @@ contains
       type(communicator_t), intent(in) :: communicator
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
-      logical, intent(in) :: single                      !! One particle, whose values stay exact
+      logical, intent(in) :: single                      !! One particle: its values are not divided
       type(mean_t), intent(in) :: means(:)
       real(wp), intent(inout) :: row(:)                  !! Gets all
       type(exact_sum_t), allocatable :: total(:)

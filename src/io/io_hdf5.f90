@@ -7,9 +7,9 @@
 !! all ranks before the next collective call. The bytes of a file do not depend on the number of
 !! ranks.
 !!
-!! The library is initialised with the first file and stays so: each pair of h5open_f and h5close_f
-!! leaves types of HDF5's Fortran interface behind, 2.8 kB in version 1.10. No handle outlives its
-!! file.
+!! The library is initialised with the first file and not closed again, because each pair of
+!! h5open_f and h5close_f leaks the types of HDF5's Fortran interface, 2.8 kB in version 1.10. No
+!! handle outlives its file.
 module io_hdf5
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -70,7 +70,8 @@ module io_hdf5
 
 contains
 
-   !> Initialise the library, unless it is, without error printing and without an exit handler.
+   !> Initialise the library if this has not been done, without error printing and without an exit
+   !! handler.
    subroutine start_library(status)
       integer, intent(out) :: status                      !! 0 on success
       logical :: started
@@ -211,7 +212,7 @@ contains
    !> Create a group. Collective.
    subroutine hdf5_group(self, name)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: name                !! From the root
+      character(len=*), intent(in) :: name                !! Path from the root
       integer(hid_t) :: group
       integer :: status
 

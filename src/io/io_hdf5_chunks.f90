@@ -44,7 +44,7 @@ module io_hdf5_chunks
          type(c_ptr), value :: packed                     !! Destination
          integer(c_long), intent(inout) :: packed_bytes   !! Capacity in, length out
          type(c_ptr), value :: plain                      !! Source
-         integer(c_long), value :: plain_bytes            !! Its length
+         integer(c_long), value :: plain_bytes            !! Length of the data
          integer(c_int), value :: level                   !! 1 to 9
          integer(c_int) :: status                         !! 0 on success
       end function c_compress

@@ -25,7 +25,7 @@ module io_hdf5_index
       character(len=:), allocatable :: path
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       integer(int64) :: points = 0                       !! Number of particles
-      type(data_info_t), allocatable :: fields(:)        !! Their fields
+      type(data_info_t), allocatable :: fields(:)        !! Fields of the particles
    end type snapshot_info_t
 
 contains
@@ -35,7 +35,7 @@ contains
       character(len=*), intent(in) :: path
       type(snapshot_info_t), intent(out) :: info
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
-      logical, intent(in) :: of_grid                     !! Of a grid, not of particles
+      logical, intent(in) :: of_grid                     !! True for a grid, false for particles
       type(hdf5_source_t) :: source
       real(wp) :: times(1)
       integer(int64) :: counts(1)
@@ -99,7 +99,7 @@ contains
    !> Description of a data set that is not a field.
    pure function plain(name, components, is_real, bytes) result(info)
       character(len=*), intent(in) :: name               !! Name
-      integer, intent(in) :: components                  !! Of a row
+      integer, intent(in) :: components                  !! Number of components of a row
       logical, intent(in) :: is_real                     !! Real, not integer
       integer, intent(in) :: bytes                       !! Bytes of a value
       type(data_info_t) :: info
@@ -174,7 +174,7 @@ contains
    !> Write a row of integers.
    subroutine write_numbers(file, name, numbers)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer(int64), contiguous, intent(in) :: numbers(:)
 
       call write_data(file, name, rows_of_root(file%communicator, size(numbers)), numbers)
@@ -183,7 +183,7 @@ contains
    !> Write a column of integers, one a row.
    subroutine write_column(file, name, numbers)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer(int64), contiguous, intent(in) :: numbers(:, :) !! (1, row)
 
       call write_data(file, name, rows_of_root(file%communicator, size(numbers, 2)), numbers)

@@ -99,7 +99,7 @@ contains
    !> True if there is an object of this name; the groups above it must exist.
    logical function source_has(self, name) result(there)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer :: status
 
       call h5lexists_f(self%id, name, there, status)
@@ -109,7 +109,7 @@ contains
    !> Description of a data set.
    subroutine source_info(self, name, info, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(data_info_t), intent(out) :: info             !! Description for messages
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer(hid_t) :: data_set, kind, space
@@ -146,7 +146,7 @@ contains
    !> List the members of a group in alphabetical order.
    subroutine source_members(self, group, members, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: group              !! From the root
+      character(len=*), intent(in) :: group              !! Path from the root
       type(data_info_t), allocatable, intent(out) :: members(:) !! Data sets and groups
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       character(len=name_length) :: name
@@ -230,7 +230,7 @@ contains
    !> Read rows of a data set of any type. The data set must have the requested rows.
    subroutine read_any(self, name, before, extent, kind, address, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer(int64), intent(in) :: before               !! Rows before the first requested
       integer, intent(in) :: extent(:)                   !! Components (if any) and rows
       integer(hid_t), intent(in) :: kind                 !! Type in memory
@@ -285,9 +285,9 @@ contains
    !> Check the form of a data set, so that reading cannot overrun it.
    subroutine check_form(self, name, dimensions, components, last_row, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer, intent(in) :: dimensions                  !! 1: scalars, 2: vectors or tensors
-      integer, intent(in) :: components                  !! Of a row
+      integer, intent(in) :: components                  !! Number of components of a row
       integer(int64), intent(in) :: last_row             !! Least number of rows
       type(error_t), allocatable, intent(out) :: error   !! The form is another
       type(data_info_t) :: info
@@ -301,7 +301,7 @@ contains
    !> Read reals.
    subroutine source_reals(self, name, before, values, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer(int64), intent(in) :: before               !! Rows before the first requested
       real(wp), contiguous, target, intent(out) :: values(:) !! (row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -316,7 +316,7 @@ contains
    !> Read vectors or tensors.
    subroutine source_vectors(self, name, before, values, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer(int64), intent(in) :: before               !! Rows before the first requested
       real(wp), contiguous, target, intent(out) :: values(:, :) !! (component, row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -332,7 +332,7 @@ contains
    !> Read integers.
    subroutine source_integers(self, name, before, values, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer(int64), intent(in) :: before               !! Rows before the first requested
       integer(int64), contiguous, target, intent(out) :: values(:) !! (row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -347,7 +347,7 @@ contains
    !> Read the bytes of a data set as a text.
    subroutine source_text(self, name, text, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       character(len=:), allocatable, intent(out), target :: text
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       type(data_info_t) :: info
@@ -365,7 +365,7 @@ contains
    !> Extents of a data set of one to three dimensions, the fastest first.
    subroutine source_extents(self, name, extent, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer, allocatable, intent(out) :: extent(:)     !! (direction)
       type(error_t), allocatable, intent(out) :: error   !! No such data set, or of another form
       integer(hid_t) :: data_set, space
@@ -392,7 +392,7 @@ contains
    !> Read layers of a data set along its slowest direction.
    subroutine source_layers(self, name, before, extent, values, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer, intent(in) :: before                      !! Layers before the first requested
       integer, intent(in) :: extent(:)                   !! Requested extents, the fastest first
       real(wp), contiguous, target, intent(out) :: values(:) !! Values, fastest direction first
@@ -408,7 +408,7 @@ contains
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
       real(wp), allocatable, intent(out) :: values(:)    !! Values
-      type(error_t), allocatable, intent(out) :: error   !! It exists and cannot be read
+      type(error_t), allocatable, intent(out) :: error   !! If it exists and cannot be read
       real(wp), allocatable, target :: copy(:)
       integer(hid_t) :: attribute, space
       integer(hsize_t) :: numbers
@@ -439,8 +439,8 @@ contains
    !> Read the texts of a data set, all of one length, concatenated.
    subroutine source_names(self, name, length, names, error)
       class(hdf5_source_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! From the root
-      integer, intent(out) :: length                     !! Of a text
+      character(len=*), intent(in) :: name               !! Path from the root
+      integer, intent(out) :: length                     !! Length of a text
       character(len=:), allocatable, intent(out), target :: names !! Concatenated
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       type(data_info_t) :: info

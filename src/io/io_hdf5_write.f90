@@ -96,7 +96,7 @@ contains
    !> Write one data set of any type. Collective.
    subroutine write_any(file, name, rows, inner, kind, address)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer, intent(in) :: inner(:)                    !! Extents of a row; empty: a scalar
       integer(hid_t), intent(in) :: kind                 !! Type in memory and file
@@ -151,7 +151,7 @@ contains
    subroutine write_ranges(file, data_set, space, rows, extent, kind, address, status)
       class(hdf5_file_t), intent(in) :: file
       integer(hid_t), intent(in) :: data_set             !! The open data set
-      integer(hid_t), intent(in) :: space                !! Its data space
+      integer(hid_t), intent(in) :: space                !! Data space of the attribute or data set
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer(hsize_t), intent(in) :: extent(:)          !! Components (if any) and rows
       integer(hid_t), intent(in) :: kind                 !! Type in memory and file
@@ -187,7 +187,7 @@ contains
    !> Write reals.
    subroutine write_reals(file, name, rows, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(wp), contiguous, target, intent(in) :: values(:) !! (row)
       type(c_ptr) :: address
@@ -200,7 +200,7 @@ contains
    !> Write vectors or tensors of reals.
    subroutine write_vectors(file, name, rows, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(wp), contiguous, target, intent(in) :: values(:, :) !! (component, row)
       type(c_ptr) :: address
@@ -213,7 +213,7 @@ contains
    !> Write reals in single precision.
    subroutine write_singles(file, name, rows, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(real32), contiguous, target, intent(in) :: values(:) !! (row)
       type(c_ptr) :: address
@@ -226,7 +226,7 @@ contains
    !> Write vectors or tensors in single precision.
    subroutine write_single_vectors(file, name, rows, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(real32), contiguous, target, intent(in) :: values(:, :) !! (component, row)
       type(c_ptr) :: address
@@ -239,7 +239,7 @@ contains
    !> Write integers.
    subroutine write_integers(file, name, rows, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer(int64), contiguous, target, intent(in) :: values(:) !! (row)
       type(c_ptr) :: address
@@ -252,7 +252,7 @@ contains
    !> Write vectors of integers.
    subroutine write_whole_vectors(file, name, rows, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer(int64), contiguous, target, intent(in) :: values(:, :) !! (component, row)
       type(c_ptr) :: address
@@ -265,7 +265,7 @@ contains
    !> Write 32-bit integers.
    subroutine write_shorts(file, name, rows, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer(int32), contiguous, target, intent(in) :: values(:) !! (row)
       type(c_ptr) :: address
@@ -278,7 +278,7 @@ contains
    !> Write rows of several dimensions.
    subroutine write_real_planes(file, name, rows, inner, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer, intent(in) :: inner(:)                    !! Extents of a row, the fastest first
       real(wp), contiguous, target, intent(in) :: values(:, :) !! (all of a row, row)
@@ -292,7 +292,7 @@ contains
    !> Write rows of several dimensions in single precision.
    subroutine write_single_planes(file, name, rows, inner, values)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer, intent(in) :: inner(:)                    !! Extents of a row, the fastest first
       real(real32), contiguous, target, intent(in) :: values(:, :) !! (all of a row, row)
@@ -306,7 +306,7 @@ contains
    !> Write bytes, given as characters. Collective.
    subroutine write_bytes(file, name, rows, letters)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Bytes of this rank
       character(len=*), intent(in) :: letters            !! Their values
       character(len=:), allocatable, target :: copy
@@ -318,7 +318,7 @@ contains
    !> Write a table of texts, the same on all ranks. Collective.
    subroutine write_names(file, name, names)
       class(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       character(len=*), intent(in) :: names(:)           !! The same on all ranks
       character(len=:), allocatable, target :: joined
       integer(hid_t) :: kind

@@ -82,7 +82,7 @@ contains
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: heading            !! Expected first line
       integer, intent(in) :: key_place                   !! Index of the column "step"
-      integer(int64), intent(in) :: resume_step          !! Last step that stays
+      integer(int64), intent(in) :: resume_step          !! Last step that is kept
       type(error_t), allocatable, intent(out) :: error   !! Another heading, or not writable
       character(len=:), allocatable :: text
       integer :: first, kept, length

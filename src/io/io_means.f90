@@ -77,13 +77,13 @@ contains
       end do
    end subroutine add_names
 
-   !> Add a field unless it is there.
+   !> Add a field unless it is already in the list.
    subroutine add_mean(stores, name, if_carried, means, error)
       type(store_t), intent(inout) :: stores(:)          !! Not changed
       character(len=*), intent(in) :: name
       logical, intent(in) :: if_carried                  !! Skip fields that no particle has
       type(mean_t), allocatable, intent(inout) :: means(:)
-      type(error_t), allocatable, intent(out) :: error   !! It has no mean
+      type(error_t), allocatable, intent(out) :: error   !! If the field has no mean
       type(column_t), allocatable :: columns(:)
       type(mean_t) :: mean
 
@@ -132,7 +132,7 @@ contains
       call append(means, mean)
    end subroutine add_of_profile
 
-   !> Add to the list unless it is there.
+   !> Add to the list unless it is already there.
    subroutine append(means, mean)
       type(mean_t), allocatable, intent(inout) :: means(:)
       type(mean_t), intent(in) :: mean

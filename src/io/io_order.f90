@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The order of particles in files: by store, then by tile along the Hilbert curve, so that it
-!! depends
-!! neither on ranks nor on the positions of particles in the arrays.
+!! depends neither on ranks nor on the positions of particles in the arrays.
 module io_order
    use base_communicator, only: communicator_t
    use base_kinds, only: int64

@@ -170,7 +170,7 @@ contains
 
    !> Parse one point.
    subroutine read_row(words, column, row, list, fault)
-      type(text_t), intent(in) :: words(:)               !! Of its line
+      type(text_t), intent(in) :: words(:)               !! Words of its line
       integer, intent(in) :: column(:)                   !! (name) Number of its column, 0: none
       integer, intent(in) :: row
       type(point_list_t), intent(inout) :: list
@@ -207,7 +207,7 @@ contains
 
    !> Set the material number of a point by its name.
    subroutine number_material(name, row, list)
-      character(len=*), intent(in) :: name               !! Of the material
+      character(len=*), intent(in) :: name               !! Name of the material
       integer, intent(in) :: row
       type(point_list_t), intent(inout) :: list
       integer :: n
@@ -299,7 +299,7 @@ contains
 
       !> Value of an attribute, if it exists and is valid.
       real(wp) function provenance_value(name, without) result(time)
-         character(len=*), intent(in) :: name            !! Of the attribute
+         character(len=*), intent(in) :: name            !! Name of the attribute
          real(wp), intent(in) :: without                 !! Default value [s]
          type(error_t), allocatable :: error
          real(wp), allocatable :: values(:)
@@ -334,7 +334,7 @@ contains
    !> Factor that converts a data set to SI.
    real(wp) function factor_of(source, name) result(factor)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(error_t), allocatable :: error
       real(wp), allocatable :: values(:)
 
@@ -347,7 +347,7 @@ contains
    !> Read vectors and convert them to SI.
    subroutine read_vectors(source, name, values, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       real(wp), contiguous, intent(out) :: values(:, :)  !! (component, row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
 
@@ -358,7 +358,7 @@ contains
    !> Read scalars and convert them to SI.
    subroutine read_numbers(source, name, values, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       real(wp), contiguous, intent(out) :: values(:)     !! (row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
 
@@ -369,7 +369,7 @@ contains
    !> Read names, if there are any.
    subroutine read_names(source, name, names, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(text_t), allocatable, intent(out) :: names(:) !! Without trailing blanks
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       character(len=:), allocatable :: texts, one

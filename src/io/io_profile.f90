@@ -212,8 +212,9 @@ contains
       heights = greatest
    end subroutine find_heights
 
-   !> Half the size of a particle along an axis: that of its own domain if it has one, else of a
-   !! cube, in two dimensions a square, along a line an interval, of its present volume [m].
+   !> Half the size of a particle along an axis [m]: half the extent of its own domain if it has
+   !! one, otherwise half the edge of a cube (in 2-D a square, in 1-D an interval) of its current
+   !! volume.
    pure real(wp) function half_size(grid, store, p, axis) result(half)
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: store

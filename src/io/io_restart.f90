@@ -25,8 +25,7 @@ module io_restart
    integer, parameter :: block_rows = 65536
 
    !> Reads the fields of one store. A failure is stored and raised at the end, so that all ranks
-   !! make
-   !! the same collective calls.
+   !! make the same collective calls.
    type, extends(field_worker_t) :: reader_t
       type(communicator_t) :: communicator
       type(hdf5_source_t) :: source                       !! The open file
@@ -48,8 +47,7 @@ contains
    !> Read the newest undamaged checkpoint of a case. Collective.
    !!
    !! A checkpoint of another deck ends the search: a restart from an older one would overwrite
-   !! newer
-   !! results.
+   !! newer results.
    subroutine checkpoint_find(communicator, place, stores, state, path, notes, error, changes)
       type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place       !! Folder, case and keys of this run
@@ -128,7 +126,7 @@ contains
    !> Read the text of the deck ("/deck") or the echo ("/deck_echo") of a checkpoint.
    subroutine checkpoint_text(path, name, text, error)
       character(len=*), intent(in) :: path
-      character(len=*), intent(in) :: name                !! From the root
+      character(len=*), intent(in) :: name                !! Path from the root
       character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read
       type(hdf5_source_t) :: source
@@ -142,7 +140,7 @@ contains
    !> Read a text of an open file and compare its hash.
    subroutine read_text(source, name, text, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
-      character(len=*), intent(in) :: name                !! From the root
+      character(len=*), intent(in) :: name                !! Path from the root
       character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read, or damaged
       integer(int64) :: check
@@ -220,7 +218,7 @@ contains
    !> Read one entry of the scalar data.
    subroutine read_entry(source, member, state, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
-      type(data_info_t), intent(in) :: member             !! Its data set
+      type(data_info_t), intent(in) :: member             !! Data set of the field
       type(state_t), intent(inout) :: state               !! The entry is set
       type(error_t), allocatable, intent(out) :: error    !! Damaged
       integer(int64), allocatable :: owners(:), integers(:)

@@ -2,9 +2,8 @@
 !> Writes and verifies the seal of a file: a title and a hash of all preceding bytes at its end.
 !!
 !! The hashes inside a checkpoint protect its data, but not the metadata of HDF5, which can crash
-!! the
-!! program when damaged. So the seal of a file is verified before the library opens it. HDF5 ignores
-!! bytes after its own end of file.
+!! the program when damaged. So the seal of a file is verified before the library opens it. HDF5
+!! ignores bytes after its own end of file.
 module io_seal
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -24,7 +23,7 @@ module io_seal
    integer, parameter, public :: seal_bytes = 48         !! Title, blanks, digits, end of line
    integer, parameter :: block_words = 131072            !! Words that are read together
    integer, parameter :: word_bytes = 8
-   character(len=*), parameter :: title_prefix = "scree-"       !! Of all titles
+   character(len=*), parameter :: title_prefix = "scree-"       !! Beginning of all titles
 
 contains
 
@@ -79,7 +78,7 @@ contains
    !> Read the seal of a file.
    subroutine read_seal(path, seal, error)
       character(len=*), intent(in) :: path
-      character(len=seal_bytes), intent(out) :: seal     !! Its last bytes
+      character(len=seal_bytes), intent(out) :: seal     !! Last bytes of the file
       type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
       integer(int64) :: bytes
       integer :: status, unit

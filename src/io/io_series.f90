@@ -65,7 +65,7 @@ contains
    subroutine collect(series, names, length, next_number, note)
       type(series_t), intent(inout) :: series            !! Gets the snapshots
       character(len=*), intent(in) :: names(:)           !! Names in the folder, sorted
-      integer, intent(in) :: length                      !! Of the names that are collected
+      integer, intent(in) :: length                      !! Length of the collected names
       integer, intent(in) :: next_number                 !! Number of the next snapshot
       character(len=:), allocatable, intent(inout) :: note !! Omitted files
       type(snapshot_info_t) :: info
@@ -91,7 +91,7 @@ contains
    !> True if a snapshot of a series is before another one: of two numbers with at least six digits
    !! the longer one is greater.
    pure logical function comes_before(path, other) result(before)
-      character(len=*), intent(in) :: path               !! Its path
+      character(len=*), intent(in) :: path               !! Path of the file
       character(len=*), intent(in) :: other              !! Path of the other one
 
       before = len(path) < len(other) .or. (len(path) == len(other) .and. llt(path, other))
@@ -146,8 +146,8 @@ contains
       call agree(communicator, error)
    end subroutine series_close
 
-   !> Add a snapshot to the list; those of this and later numbers are of an earlier run and are
-   !! dropped.
+   !> Add a snapshot to the list. Listed snapshots of the same or a later number are of an earlier
+   !! run and are removed from the list.
    subroutine append(steps, info)
       type(snapshot_info_t), allocatable, intent(inout) :: steps(:)
       type(snapshot_info_t), intent(in) :: info          !! A further one

@@ -40,10 +40,10 @@ module io_snapshot
    ! gate: header record because each component is an attribute of the file
    type :: snapshot_header_t
       character(len=:), allocatable :: code              !! Name of the program
-      character(len=:), allocatable :: version           !! Its version
-      character(len=:), allocatable :: git               !! Its revision
+      character(len=:), allocatable :: version           !! Version of the program
+      character(len=:), allocatable :: git               !! Revision of the sources
       character(len=:), allocatable :: compiler          !! Compiler and options of the program
-      character(len=:), allocatable :: flags             !! How it was built
+      character(len=:), allocatable :: flags             !! Compiler flags of the program
       character(len=:), allocatable :: host              !! Host
       character(len=:), allocatable :: date              !! When the file was written
       character(len=:), allocatable :: case              !! Prefix of all files
@@ -58,14 +58,14 @@ module io_snapshot
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       real(wp) :: dt = 0.0_wp                            !! Time step [s]
       real(wp) :: dt_next = 0.0_wp                       !! Next stable time step [s]
-      real(wp) :: velocity_lag = 0.0_wp                  !! Of velocities behind positions [s]
+      real(wp) :: velocity_lag = 0.0_wp                  !! Lag of velocities behind positions [s]
       integer(int64) :: step = 0                         !! Steps done
       !> (3, 4) In a cell that deforms: its deformation, and the fixed corner [m]
       real(wp), allocatable :: stretch(:, :)
       logical :: axisymmetric = .false.                  !! Points are (radius, 0, height)
       type(output_units_t) :: units                      !! Units of all data sets
       character(len=body_name_length), allocatable :: body_names(:) !! (body)
-      integer, allocatable :: body_materials(:)          !! (body) Its material
+      integer, allocatable :: body_materials(:)          !! (body) Material of the body
       character(len=body_name_length), allocatable :: material_names(:) !! (material)
    end type snapshot_header_t
 
@@ -119,7 +119,7 @@ contains
    !> Greatest length that the file can get [byte].
    pure function greatest_length(rows, columns, header) result(bytes)
       type(rows_t), intent(in) :: rows
-      type(column_t), intent(in) :: columns(:)           !! Their fields
+      type(column_t), intent(in) :: columns(:)           !! Fields of the snapshot
       type(snapshot_header_t), intent(in) :: header      !! Texts
       integer(int64) :: bytes
       integer(int64), parameter :: heading = 98304, number = 8, cell = 17, point = 24
@@ -172,7 +172,7 @@ contains
       type(hdf5_file_t), intent(inout) :: file
       type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
-      type(rows_t), intent(in) :: rows                   !! Their rows
+      type(rows_t), intent(in) :: rows                   !! Rows of the particles
       type(snapshot_header_t), intent(in) :: header      !! Axes and units
       type(rows_t) :: even
       real(wp), allocatable :: points(:, :)
@@ -232,7 +232,7 @@ contains
       type(hdf5_file_t), intent(inout) :: file
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
-      type(rows_t), intent(in) :: rows                   !! Their rows
+      type(rows_t), intent(in) :: rows                   !! Rows of the particles
       type(column_t), intent(in) :: column
       logical, intent(in) :: single                      !! In single precision
       type(output_units_t), intent(in) :: units          !! Units of the file
@@ -279,7 +279,7 @@ contains
    !> Write real numbers in single precision.
    subroutine write_single(file, name, rows, reals)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(wp), intent(in) :: reals(:, :)                !! (component, row)
       real(real32), allocatable :: numbers(:), singles(:, :)
@@ -323,7 +323,7 @@ contains
    !> Write the unit of a data set.
    subroutine write_units(file, name, long_name, unit, units)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       character(len=*), intent(in) :: long_name          !! With underscores for blanks
       character(len=*), intent(in) :: unit               !! SI unit
       type(output_units_t), intent(in) :: units          !! Units of the file
@@ -417,7 +417,7 @@ contains
    !> Write a text that may be missing as a data set.
    subroutine write_text(file, name, text)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       character(len=:), allocatable, intent(in) :: text
 
       if (allocated(text)) &

@@ -17,7 +17,7 @@ module io_trust_record
    integer, parameter, public :: trust_stretch = 3   !! Mass of particles far from their neighbours
    integer, parameter, public :: trust_noise = 4     !! Pressure that nodes do not resolve
    integer, parameter, public :: trust_speed = 5     !! Greatest speed over the explained speed
-   integer, parameter, public :: trust_heat = 6      !! Energy of a particle, in the same way
+   integer, parameter, public :: trust_heat = 6      !! Particle energy over the explained energy
    integer, parameter, public :: trust_retired = 7   !! Mass of particles removed out of bounds
    integer, parameter, public :: trust_damped = 8 !! Kinetic energy dissipated by the PIC fraction
    integer, parameter, public :: trust_momentum = 9  !! Error of the momentum balance at the end
@@ -41,7 +41,7 @@ module io_trust_record
    type :: trust_t
       real(wp) :: worst(trust_entries) = 0.0_wp      !! Worst values so far, heat with its sign
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
-      real(wp) :: pressure = 0.0_wp                  !! Greatest, or density of kinetic energy [Pa]
+      real(wp) :: pressure = 0.0_wp !! Greatest pressure or kinetic energy density [Pa]
       real(wp) :: difference = 0.0_wp !! Greatest pressure that nodes do not resolve [Pa]
       real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
       real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]
@@ -120,7 +120,7 @@ contains
    !> Write the record to the state of a checkpoint.
    subroutine save_trust(trust, state)
       type(trust_t), intent(in) :: trust             !! Measures of trust
-      type(state_t), intent(inout) :: state          !! Of the checkpoint
+      type(state_t), intent(inout) :: state          !! State of the checkpoint
 
       call state%set("trust", [trust%worst, trust%longest, trust%pressure, trust%difference, &
          trust%start_speed, trust%start_energy, trust%least_energy, trust%work])
@@ -131,7 +131,7 @@ contains
    !> Read it from a checkpoint. If the checkpoint lacks it, the record starts empty.
    subroutine load_trust(trust, state)
       type(trust_t), intent(inout) :: trust          !! Measures of trust
-      type(state_t), intent(in) :: state             !! Of the checkpoint
+      type(state_t), intent(in) :: state             !! State of the checkpoint
       real(wp), allocatable :: values(:)
       integer(int64), allocatable :: flags(:)
       type(error_t), allocatable :: error

@@ -114,7 +114,7 @@ contains
    !! three.
    subroutine spread_numbers(given, dimensions, values, fits)
       real(wp), intent(in) :: given(:)                   !! As in the file
-      integer, intent(in) :: dimensions                  !! Of the data
+      integer, intent(in) :: dimensions                  !! Dimensions of the data
       real(wp), intent(inout) :: values(3)               !! Along x, y, z
       logical, intent(out) :: fits                       !! The number is sufficient
 
@@ -163,9 +163,9 @@ contains
    !> Mark a voxel if it has the selected value. Reals are rounded to the nearest integer.
    pure subroutine test_voxel(marker, value, voxel, mask)
       type(marker_t), intent(inout) :: marker
-      real(wp), intent(in) :: value                      !! Of the voxel
+      real(wp), intent(in) :: value                      !! Value of the voxel
       integer(int64), intent(in) :: voxel                !! Number of the voxel, from 0
-      character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
+      character(len=:), allocatable, intent(inout) :: mask !! Mask of all voxels
       real(wp), parameter :: most = 9.0e18_wp            ! integers end there
 
       if (.not. ieee_is_finite(value)) return
@@ -185,7 +185,7 @@ contains
       character(len=*), intent(in) :: dataset            !! Name of the data set
       type(marker_t), intent(inout) :: marker
       type(voxel_file_t), intent(inout) :: voxels
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read
       type(hdf5_source_t) :: source
       integer, allocatable :: extent(:)
       real(wp), allocatable :: edge(:), corner(:)
@@ -219,10 +219,10 @@ contains
    subroutine read_layers(source, dataset, extent, marker, mask, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
       character(len=*), intent(in) :: dataset            !! Name of the data set
-      integer, intent(in) :: extent(:)                   !! Its extents, the fastest first
+      integer, intent(in) :: extent(:) !! Extents of the data, the fastest index first
       type(marker_t), intent(inout) :: marker
-      character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      character(len=:), allocatable, intent(inout) :: mask !! Mask of all voxels
+      type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read
       real(wp), allocatable :: values(:)
       integer :: wanted(size(extent)), layers, before, n
       integer(int64) :: layer
@@ -247,7 +247,7 @@ contains
       character(len=*), intent(in) :: path               !! The file with the text
       type(marker_t), intent(inout) :: marker
       type(voxel_file_t), intent(inout) :: voxels
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read
       character(len=:), allocatable :: text
       type(image_t) :: image
       integer(int64) :: bytes, voxel, start
@@ -401,7 +401,7 @@ contains
 
    !> Identity matrix by rows: the orientation of a MetaImage that is not rotated.
    pure function identity(dimensions) result(matrix)
-      integer, intent(in) :: dimensions                  !! Of the data
+      integer, intent(in) :: dimensions                  !! Dimensions of the data
       real(wp) :: matrix(dimensions**2)
 
       matrix = 0.0_wp

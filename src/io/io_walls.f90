@@ -18,13 +18,13 @@ module io_walls
    character(len=*), parameter :: group = "/walls"       !! Names and types of the walls
    integer, parameter, public :: wall_name_length = 96   !! Longest name of a wall
    real(wp), parameter, public :: never = 1.0e30_wp      !! Stands for infinite time [s]
-   integer, parameter :: cell_types(4) = [1, 3, 5, 9]    !! Of VTK: vertex, line, triangle, quad
+   integer, parameter :: cell_types(4) = [1, 3, 5, 9]    !! VTK vertex, line, triangle, quad
 
    !> Walls. The same on all ranks.
    type :: walls_t
       real(wp), allocatable :: point(:, :)               !! (3, point) [m]
-      integer, allocatable :: corners(:)                 !! (cell) Its points, in order
-      integer, allocatable :: wall(:)                    !! (cell) Its wall, from 1
+      integer, allocatable :: corners(:)                 !! (cell) Corners of the cell, in order
+      integer, allocatable :: wall(:)                    !! (cell) Wall of the cell, from 1
       character(len=wall_name_length), allocatable :: name(:) !! (wall) Region, or face
       character(len=wall_name_length), allocatable :: kind(:) !! (wall) Type of boundary
       integer, allocatable :: face(:)                    !! (wall) 1 to 6, 0 = rigid region

@@ -48,7 +48,8 @@ contains
       end associate
    end function control_names
 
-   !> Whether the velocity of a wall can be changed: it moves, and not with the material alone.
+   !> True if the velocity of a wall can be changed. That of a wall without motion and that of an
+   !! inflow cannot.
    pure logical function is_steered(wall) result(steered)
       type(wall_t), intent(in) :: wall
 
@@ -56,7 +57,7 @@ contains
       if (wall%face > 0) steered = wall%condition%moves()
    end function is_steered
 
-   !> Whether gravity is constant, and no table of time.
+   !> True if gravity is constant, not a table over time.
    pure logical function is_constant_gravity(simulation) result(constant)
       type(simulation_t), intent(in) :: simulation
 
@@ -154,7 +155,7 @@ contains
       end associate
    end subroutine set_control
 
-   !> Change the factor of a load; one without a table gets one.
+   !> Change the factor of a load. A load without a table gets one.
    subroutine steer_load(load, from, over, values)
       type(surface_load_t), intent(inout) :: load
       real(wp), intent(in) :: from                   !! Present time [s]
@@ -169,7 +170,7 @@ contains
       call load%course%steer(from, over, values)
    end subroutine steer_load
 
-   !> Index of a controllable wall by its name; 0 = none.
+   !> Index of a wall with this name whose velocity can be changed; 0 = none.
    pure integer function place_of(walls, name) result(place)
       type(wall_t), intent(in) :: walls(:)
       character(len=*), intent(in) :: name

@@ -14,7 +14,7 @@ module library_fields
    !> Memory of a field. Component k of particle p, both from 0, is element p + k stride.
    type, bind(c) :: field_view_t
       type(c_ptr) :: address = c_null_ptr              !! First particle, null without particles
-      integer(c_int64_t) :: particles = 0              !! Of this rank
+      integer(c_int64_t) :: particles = 0              !! Number of particles of this rank
       integer(c_int64_t) :: stride = 0                 !! Elements from component to component
       integer(c_int) :: components = 0                 !! 1 for a scalar, 0 = there is no such field
       integer(c_int) :: whole = 0                      !! 1 = integers of 8 bytes, 0 = real numbers
@@ -28,7 +28,7 @@ module library_fields
    !> Finds the memory of a field.
    type, extends(field_worker_t) :: finder_t
       character(len=:), allocatable :: name            !! Field to find
-      type(field_view_t) :: view                       !! Gets its memory
+      type(field_view_t) :: view                       !! Gets the memory of the field
    contains
       procedure :: scalar => finder_scalar             !! Real numbers
       procedure :: vector => finder_vector             !! Vectors and tensors
@@ -60,7 +60,7 @@ contains
    !> Memory of a field, in which the particles of this rank are contiguous. It is valid until the
    !! next step.
    subroutine find_field(store, name, view)
-      type(store_t), intent(inout) :: store            !! Gets its particles in one piece
+      type(store_t), intent(inout) :: store            !! Its particles are made contiguous
       character(len=*), intent(in) :: name             !! Name of the field
       type(field_view_t), intent(out) :: view
       type(finder_t) :: finder

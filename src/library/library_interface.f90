@@ -29,11 +29,11 @@ module library_interface
    !> State of a simulation between calls.
    type, bind(c) :: state_t
       real(c_double) :: time = 0                     !! [s]
-      real(c_double) :: dt = 0                       !! Of the last step [s]
+      real(c_double) :: dt = 0                       !! Length of the last time step [s]
       real(c_double) :: dt_next = 0                  !! Next stable step [s]
       real(c_double) :: time_end = 0                 !! End of the run [s]
       integer(c_int64_t) :: step = 0                 !! Steps done
-      integer(c_int64_t) :: particles = 0            !! Of this rank
+      integer(c_int64_t) :: particles = 0            !! Number of particles of this rank
       integer(c_int64_t) :: generation = 0           !! Views of an earlier one are invalid
       integer(c_int64_t) :: warnings = 0             !! In the log
       integer(c_int) :: stores = 0                   !! Particle stores

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A simulation in the process of another program. It goes through `program_session` as the program
-!! scree does, writes to the screen only on request, and does not change the signals and the number
-!! of threads of the caller.
+!> A simulation in the process of another program. Like the program scree it uses `program_session`,
+!! but it writes to the screen only on request, and does not change the signals and the number of
+!! threads of the caller.
 module library_session
    use base_communicator, only: message_passing_has_ended, message_passing_has_started
    use base_error, only: error_t, exit_input, exit_success, fail
@@ -26,7 +26,7 @@ module library_session
       logical :: copied = .false.                    !! Has it a duplicated communicator?
       integer :: threads = 1                         !! Threads between calls
       integer(int64) :: generation = 0               !! Changes whenever views become invalid
-      character(len=:), allocatable :: message       !! Of the last error
+      character(len=:), allocatable :: message       !! Message of the last error
       character(kind=c_char), allocatable :: answer(:) !! Text for the caller, ends with a null
    contains
       procedure :: open => session_open              !! Deck to first state
@@ -46,7 +46,7 @@ contains
       class(library_session_t), intent(inout) :: self
       type(text_t), intent(in) :: arguments(:)       !! As on the command line of scree
       logical, intent(in) :: given                   !! Is there a communicator?
-      integer, intent(in) :: communicator            !! Its Fortran handle
+      integer, intent(in) :: communicator            !! Fortran handle of the communicator
       type(error_t), allocatable :: error
       integer :: host
 
@@ -93,7 +93,7 @@ contains
    subroutine join_ranks(self, given, communicator, error)
       class(library_session_t), intent(inout) :: self
       logical, intent(in) :: given                   !! Is there a communicator?
-      integer, intent(in) :: communicator            !! Its Fortran handle
+      integer, intent(in) :: communicator            !! Fortran handle of the communicator
       type(error_t), allocatable, intent(out) :: error !! MPI is not available
       integer :: all, hints
 
@@ -123,7 +123,7 @@ contains
    integer function session_step(self, steps, until) result(code)
       class(library_session_t), intent(inout) :: self
       integer(int64), intent(in) :: steps            !! Maximum number of steps
-      real(wp), intent(in) :: until                  !! Not beyond the first time from here on [s]
+      real(wp), intent(in) :: until                  !! No step starts at or after this time [s]
       type(error_t), allocatable :: error
       integer(int64) :: last
       integer :: host

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checks of combinations of keys of a material: compatible models, the
-!> moduli and the effects.
+!> Checks of combinations of keys of a material: compatible models, the moduli and the effects.
 module material_checks
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -37,7 +36,7 @@ contains
 
    !> Check that the moduli are given by exactly one pair of keys, without unused ones.
    subroutine check_moduli(material, group, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(deck_t), intent(inout) :: deck
       logical :: young, poisson, bulk, shear, derived, strong
@@ -72,7 +71,7 @@ contains
 
    !> Check that models are compatible with each other and with the effects.
    subroutine check_models(material, group, effects, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
@@ -101,10 +100,10 @@ contains
       end if
    end subroutine check_models
 
-   !> Check that some model uses the rate of Johnson and Cook. The default itself is accepted,
-   !! because the echo of a deck holds it for every material.
+   !> Check that some model uses the rate of Johnson and Cook if it is given. The default value is
+   !! always accepted, because the echo of a deck gives it for every material.
    subroutine check_rate(material, group, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(deck_t), intent(inout) :: deck
       real(wp) :: rate
@@ -121,7 +120,7 @@ contains
 
    !> Check that melting material has a melting temperature.
    subroutine check_melting(material, group, effects, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
@@ -143,7 +142,7 @@ contains
 
    !> Only material without cohesion can get its density from the nodes.
    subroutine check_packing(material, group, effects, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
@@ -160,7 +159,7 @@ contains
 
    !> Check that the failure model is compatible with the law and the effects.
    subroutine check_failure(material, group, effects, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
@@ -195,14 +194,14 @@ contains
 
    !> A law that gives the whole stress excludes other models.
    subroutine check_whole_stress(material, group, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! &material
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: strength, eos
 
       call group%get("strength_model", strength)
       call group%get("eos_model", eos)
-      ! The default itself is accepted, because the echo of a deck contains it for every material.
+      ! the default value is always accepted, because the echo of a deck gives it for every material
       if (group%given("eos_model") .and. eos /= "linear") call deck%complain(group, &
          "eos_model is not used, as strength_model = '"//strength//"' gives the whole stress; "// &
          "remove it", "eos_model")
@@ -219,7 +218,7 @@ contains
 
    !> True if strength or damage follows the temperature up to melting.
    logical function needs_melting(material, group) result(needed)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       real(wp) :: coefficient(5)
 

@@ -87,7 +87,7 @@ contains
 
    !> Subtract the time of each effect with a separate row from the phase that includes it.
    subroutine divide_phase_time(laps, from, rows, timer)
-      type(stage_clock_t), intent(in) :: laps(:)    !! Of all threads
+      type(stage_clock_t), intent(in) :: laps(:)    !! Times of all threads
       integer, intent(in) :: from                    !! The phase that holds them all
       integer, intent(in) :: rows(effect_count)     !! Phase of each effect, 0 = off
       type(timer_t), intent(inout) :: timer

@@ -39,16 +39,16 @@ module material_failed
       type(fracture_t), allocatable :: fracture      !! Permanent failure
       type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
       type(failed_law_t), allocatable :: failed_law  !! Law of failed material
-      integer(int64) :: seed = 0                     !! Of random strength
+      integer(int64) :: seed = 0                     !! Seed of the random strength
    end type failure_t
 
    !> The failed particles of a range.
    type :: failed_subset_t
       integer :: count = 0                              !! Number of particles
-      integer, allocatable :: position(:)               !! Their positions in the range
+      integer, allocatable :: position(:) !! Positions of failed particles in the range
       real(wp), allocatable :: released(:) !! Work released by the loss of the deviator [J]
-      type(material_state_t) :: state                       !! Their state
-      type(deformation_t) :: deformation             !! Their step
+      type(material_state_t) :: state                       !! State of the failed particles
+      type(deformation_t) :: deformation             !! Deformation of the failed particles
    end type failed_subset_t
 
 contains
@@ -248,7 +248,7 @@ contains
       real(wp), contiguous, intent(in) :: released(:)          !! Energy of the deviator [J]
       real(wp), contiguous, intent(in) :: pressure(:)          !! [Pa]
       real(wp), contiguous, intent(inout) :: stress(:, :)      !! Deviator (:, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step [J]
+      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! Plastic work of the step [J]
       integer :: i, column
 
       do i = 1, count

@@ -34,7 +34,7 @@ contains
    !> True if all materials are gases: without strength, with an internal energy, and without
    !! cohesion at zero energy.
    pure logical function all_gases(materials) result(yes)
-      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      type(material_t), intent(in) :: materials(:)   !! Materials of the deck
       integer :: index
 
       yes = size(materials) > 0
@@ -45,7 +45,7 @@ contains
 
    !> True if some material is a gas, or an explosive whose products are one.
    pure logical function any_gas(materials) result(yes)
-      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      type(material_t), intent(in) :: materials(:)   !! Materials of the deck
       integer :: index
 
       yes = .false.
@@ -65,7 +65,7 @@ contains
 
    !> True if all materials store the work of strain reversibly: no flow, failure or heat.
    pure logical function stores_work(materials) result(stored)
-      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      type(material_t), intent(in) :: materials(:)   !! Materials of the deck
       integer :: index
 
       stored = size(materials) > 0

@@ -194,7 +194,7 @@ contains
    pure subroutine models_draw_strength(self, state, identity, first, last)
       class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
-      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
 

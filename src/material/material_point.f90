@@ -23,15 +23,15 @@ module material_point
       real(wp) :: confinement = 0.0_wp               !! Pressure from the sides [Pa]
       real(wp) :: direction(9) = 0.0_wp !! Velocity gradient over the rate, k + 3 (l - 1) [1]
       real(wp) :: speed = 0.0_wp                     !! Greatest particle speed of shocks [m/s]
-      real(wp) :: temperature = 293.0_wp             !! At the start [K]
-      real(wp) :: volume = 1.0e-9_wp                 !! At the start [m3]
+      real(wp) :: temperature = 293.0_wp             !! Temperature at the start [K]
+      real(wp) :: volume = 1.0e-9_wp                 !! Volume at the start [m3]
       type(material_state_t) :: state                       !! State
       type(deformation_t) :: deformation             !! Step
    contains
       procedure :: start => point_start              !! Sets the point to rest
       procedure :: run => point_run                  !! Drives it along its path
       procedure :: header => point_header            !! Names of the columns
-      procedure, private :: row => point_row         !! Its state as numbers
+      procedure, private :: row => point_row         !! State as numbers
    end type point_t
 
    integer, parameter :: most_iterations = 100
@@ -103,7 +103,7 @@ contains
       real(wp), intent(in) :: dt                         !! Time step [s]
       type(material_state_t), intent(inout) :: state            !! State of the point
       type(deformation_t), intent(inout) :: deformation  !! Step of the point
-      real(wp), parameter :: spacing = 1.0e-3_wp !! Of a cell, for the width of cracks [m]
+      real(wp), parameter :: spacing = 1.0e-3_wp !! Cell size, for the width of cracks [m]
       type(material_state_t) :: before
       real(wp) :: volume, power
       integer :: pass

@@ -23,7 +23,7 @@ contains
       viscous_work)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: viscous_pressure(:) !! Of the force (store) [Pa]
+      real(wp), contiguous, intent(in) :: viscous_pressure(:) !! Part of the force (store) [Pa]
       real(wp), contiguous, intent(in) :: old_volume(:)       !! Before the step (range) [m3]
       real(wp), contiguous, intent(in) :: dilatation(:)       !! Trace of strain (range) [1]
       real(wp), contiguous, intent(inout) :: viscous_work(:)  !! (range) [J]

@@ -29,8 +29,8 @@ module material_voids
       logical :: loose = .false. !! All material is loose, not only failed material
       real(wp) :: start = 1.0_wp                     !! theta of the reference state [1]
       real(wp) :: critical = 1.0_wp                  !! theta from which on grains touch [1]
-      real(wp) :: shearing = 0.0_wp                  !! Of B: -d ln theta for a unit of shear [1]
-      real(wp) :: expansion = 0.0_wp                 !! Of B: thermal expansion of volume [1/K]
+      real(wp) :: shearing = 0.0_wp !! Coefficient of rule B: -d ln theta per unit of shear [1]
+      real(wp) :: expansion = 0.0_wp !! Coefficient of rule B: thermal expansion of volume [1/K]
    contains
       procedure :: read => voids_read                !! Reads the keys
       !> Fraction of the dilatation of the material itself
@@ -276,7 +276,7 @@ contains
    !! approximant of order (2, 2), which cooling reverses to round-off.
    pure real(wp) function expanded_fraction(solid_fraction, growth) result(fraction)
       real(wp), intent(in) :: solid_fraction         !! Before [1]
-      real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]
+      real(wp), intent(in) :: growth !! Increment of the logarithm of their volume [1]
 
       fraction = min(1.0_wp, solid_fraction*(1.0_wp + growth*(0.5_wp + growth/12.0_wp)) &
          /(1.0_wp - growth*(0.5_wp - growth/12.0_wp)))

@@ -56,7 +56,7 @@ contains
       class(boundary_friction_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6
       integer, contiguous, intent(in) :: nodes(:)    !! Nodes of a tile on the boundary
-      real(wp), intent(in) :: lead                   !! From its velocity to those of nodes [s]
+      real(wp), intent(in) :: lead                   !! Time from wall to node velocities [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       integer :: n, node, normal
@@ -80,7 +80,7 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(in) :: pic                    !! Fraction of PIC in the transfer, 0 to 1
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
-      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With the others [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) With all other walls [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: along(3), inward, taken, speed
       integer :: n, node, normal

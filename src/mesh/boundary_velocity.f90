@@ -30,7 +30,7 @@ contains
       class(boundary_velocity_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6
       integer, contiguous, intent(in) :: nodes(:)    !! Nodes of a tile on the boundary
-      real(wp), intent(in) :: lead                   !! From its velocity to those of nodes [s]
+      real(wp), intent(in) :: lead                   !! Time from wall to node velocities [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       integer :: n

@@ -29,7 +29,7 @@ module mesh_boundary
       procedure :: insulate => boundary_insulate     !! No flux through boundaries
       procedure :: held_at => boundary_held_at       !! Prescribed temperatures of nodes
       procedure :: raise => boundary_raise !! Multiply values of nodes on closed boundaries
-      procedure :: see_gaps => boundary_see_gaps     !! Material that thins out towards a closed one
+      procedure :: see_gaps => boundary_see_gaps     !! Gaps between material and closed boundaries
    end type boundary_t
 
 contains
@@ -215,7 +215,7 @@ contains
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      real(wp), intent(in) :: factor                 !! Of a boundary
+      real(wp), intent(in) :: factor                 !! Factor of a boundary
       real(wp), intent(inout) :: values(:)           !! (node)
       integer :: nodes(grid%tile_nodes), number, n, wall
 
@@ -229,17 +229,17 @@ contains
       end do
    end subroutine boundary_raise
 
-   !> Fill less 1 of nodes on closed boundaries, where it is less than that of the next node
-   !! inwards: such a difference is a gap between the boundary and the material that presses on it,
-   !! and not a surface of the material.
+   !> Fill minus 1 of nodes on closed boundaries, where it is less than the fill of the next node
+   !! inwards. Such a difference is a gap between the boundary and the material that presses on it,
+   !! not a free surface of the material.
    pure subroutine boundary_see_gaps(self, grid, coordinate, noise, filled, around, excess)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      real(wp), intent(in) :: noise                  !! Fills so near to 1 count as 1 [1]
+      real(wp), intent(in) :: noise                  !! Fills that differ less from 1 count as 1 [1]
       real(wp), contiguous, intent(in) :: filled(:, :)    !! (1, node) Volume of particles [m3]
       real(wp), intent(in) :: around(:)              !! (node) Volume of the node [m3]
-      real(wp), contiguous, intent(inout) :: excess(:, :) !! (1, node) Fill less 1 [1]
+      real(wp), contiguous, intent(inout) :: excess(:, :) !! (1, node) Fill minus 1 [1]
       real(wp) :: fill
       integer :: nodes(grid%tile_nodes), number, n, wall, node, inner
 

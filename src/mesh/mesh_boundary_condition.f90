@@ -17,8 +17,8 @@ module mesh_boundary_condition
    !> A boundary condition. Boundaries are numbered from 1 to 6: xlo, xhi, ylo, yhi, zlo, zhi.
    type, abstract :: boundary_condition_t
       character(len=16) :: name = ""                 !! Word of the deck
-      real(wp) :: velocity(3) = 0.0_wp !! Of the wall, at the time of those of nodes [m/s]
-      real(wp) :: acceleration(3) = 0.0_wp           !! Of the wall in this step [m/s2]
+      real(wp) :: velocity(3) = 0.0_wp !! At the time of the node velocities [m/s]
+      real(wp) :: acceleration(3) = 0.0_wp           !! Acceleration of the wall in this step [m/s2]
       real(wp) :: friction = 0.0_wp                  !! Coefficient of friction [1]
    contains
       procedure(meaning_i), deferred, nopass :: meaning !! One line for the help on the key `type`
@@ -66,13 +66,13 @@ contains
       inward = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
    end function inward_sign
 
-   !> By default a condition has no keys.
+   !> By default a condition declares no keys.
    subroutine condition_declare(self, schema)
       class(boundary_condition_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
    end subroutine condition_declare
 
-   !> Nor does it read any.
+   !> By default a condition reads no keys.
    subroutine condition_read(self, group)
       class(boundary_condition_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! The &boundary
@@ -122,7 +122,7 @@ contains
       class(boundary_condition_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6
       integer, contiguous, intent(in) :: nodes(:)    !! Nodes of a tile on the boundary
-      real(wp), intent(in) :: lead                   !! From its velocity to those of nodes [s]
+      real(wp), intent(in) :: lead                   !! Time from wall to node velocities [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
    end subroutine condition_constrain

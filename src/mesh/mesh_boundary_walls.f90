@@ -28,7 +28,7 @@ module mesh_boundary_walls
       procedure :: is_divided => walls_is_divided !! Has a boundary parts?
       procedure :: mirrors => walls_mirrors       !! Is a whole boundary a mirror plane?
       procedure :: is_closed => walls_is_closed   !! Does a whole boundary keep material in?
-      procedure :: is_periodic => walls_is_periodic !! Is it joined to the opposite one?
+      procedure :: is_periodic => walls_is_periodic !! Is it joined to the opposite boundary?
       procedure :: moves => walls_moves           !! Is a whole boundary a moving wall?
       procedure :: lets_out => walls_lets_out     !! Do particles leave at a position?
       procedure :: has_friction => walls_has_friction !! Has some boundary friction?
@@ -81,8 +81,8 @@ contains
    !> Set velocities of moving walls at a time, and whether walls act.
    pure subroutine walls_advance(self, time, lag, kick, switched)
       class(boundary_walls_t), intent(inout) :: self
-      real(wp), intent(in) :: time                   !! Of the positions [s]
-      real(wp), intent(in) :: lag                    !! Of velocities behind positions [s]
+      real(wp), intent(in) :: time                   !! Time of the positions [s]
+      real(wp), intent(in) :: lag                    !! Lag of velocities behind positions [s]
       real(wp), intent(in) :: kick                   !! Time for which forces act, 0 = none [s]
       logical, intent(out) :: switched               !! Has a wall begun or ceased to act?
       logical :: acted
@@ -127,7 +127,7 @@ contains
    pure integer function walls_wall_at(self, face, place) result(n)
       class(boundary_walls_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6
-      real(wp), intent(in) :: place(3)               !! On the boundary [m]
+      real(wp), intent(in) :: place(3)               !! Position on the boundary [m]
 
       n = 0
       if (.not. allocated(self%wall)) return
@@ -205,7 +205,7 @@ contains
    pure logical function walls_lets_out(self, face, place) result(open)
       class(boundary_walls_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6
-      real(wp), intent(in), optional :: place(3)     !! On the boundary [m]
+      real(wp), intent(in), optional :: place(3)     !! Position on the boundary [m]
       integer :: n
 
       if (present(place)) then

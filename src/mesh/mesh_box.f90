@@ -2,10 +2,9 @@
 !> A periodic cell whose edges are columns of a matrix that follows a uniform velocity gradient.
 !!
 !! Positions are r = h s with the edges h and coordinates s in [0, 1). The cell is sheared by
-!! tilting
-!! its edges (A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921, in coordinates that move along);
-!! an edge that tilts by more than half of another one is replaced by the equivalent edge on the
-!! other side.
+!! tilting its edges (A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921, in coordinates that move
+!! along); an edge that tilts by more than half of another one is replaced by the equivalent edge on
+!! the other side.
 module mesh_box
    use base_kinds, only: wp
    implicit none
@@ -21,7 +20,7 @@ module mesh_box
       real(wp) :: gradient(3, 3) = 0.0_wp            !! du_i/dx_j, upper triangular [1/s]
       real(wp) :: strain = 0.0_wp                    !! Integral of the sizes of shear rates [1]
    contains
-      procedure :: volume => box_volume              !! Its volume [m3]
+      procedure :: volume => box_volume              !! Volume of the cell [m3]
       procedure :: heights => box_heights            !! Distances of its faces [m]
       procedure :: advance => box_advance            !! Deform it for a time step
       procedure :: reduce => box_reduce              !! Replace an edge that tilts too far
@@ -104,7 +103,7 @@ contains
 
    !> Inverse of a matrix that has one.
    pure function inverse(matrix) result(dual)
-      real(wp), intent(in) :: matrix(3, 3)           !! Of a determinant that is not 0
+      real(wp), intent(in) :: matrix(3, 3)           !! Matrix with a determinant that is not 0
       real(wp) :: dual(3, 3)
       integer :: i, j, i1, i2, j1, j2
 

@@ -10,18 +10,18 @@ module mesh_drive
 
    public :: drive_t, read_drive, stage_duration
 
-   real(wp), parameter :: waves = 3.0_wp             !! Rate of a servo over that of a wave
-   real(wp), parameter :: part = 0.2_wp              !! Rate of a servo over the greatest rate
+   real(wp), parameter :: waves = 3.0_wp             !! Servo rate over the rate of a wave
+   real(wp), parameter :: part = 0.2_wp              !! Servo rate over the greatest shear rate
    real(wp), parameter :: most = 0.25_wp !! Greatest relative change of a held stress in a step
 
    !> How the cell is driven.
    type :: drive_t
       real(wp) :: gradient(3, 3) = 0.0_wp            !! Given velocity gradient [1/s]
       logical :: servo(3) = .false.                  !! Axes with prescribed stress
-      logical :: isotropic = .false.                 !! Same rate on all axes, mean pressure held
+      logical :: isotropic = .false. !! Same rate on all axes, mean pressure controlled
       real(wp) :: pressure = 0.0_wp                  !! Held [Pa]
       real(wp) :: servo_rate = 0.0_wp                !! Strain rate at an error of 1 [1/s]
-      real(wp) :: haste = 20.0_wp                    !! Times that of a cell without stress [1]
+      real(wp) :: haste = 20.0_wp !! Factor of the rate in a cell without stress [1]
    contains
       procedure :: set_rate => drive_set_rate        !! Rate of the servo
       procedure :: steer => drive_steer              !! Velocity gradient of the next step
@@ -71,13 +71,14 @@ contains
       duration = min(duration, strain/maxval(abs(drive%gradient)))
    end function stage_duration
 
-   !> Set the rate of the servo, (G.3): a little faster than a wave crosses the cell, and a part of
-   !! the shear. With a given time step, the prescribed stress changes by at most a quarter of its
-   !! error per step, so that stiff material does not oscillate.
+   !> Set the rate of the servo, (G.3): the sum of three times the rate at which a wave crosses the
+   !! cell and a fifth of the greatest shear rate. With a given time step it is bounded such that
+   !! the prescribed stress changes by at most a quarter of its error per step; stiff material then
+   !! does not oscillate.
    pure subroutine drive_set_rate(self, density, speed, height, dt)
       class(drive_t), intent(inout) :: self
       real(wp), intent(in) :: density                !! [kg/m3]
-      real(wp), intent(in) :: speed                  !! Of a wave [m/s]
+      real(wp), intent(in) :: speed                  !! Wave speed [m/s]
       real(wp), intent(in) :: height                 !! Greatest distance of faces [m]
       real(wp), intent(in), optional :: dt           !! Time step [s]
 
@@ -113,7 +114,7 @@ contains
    !> Strain rate of a held axis, (G.3) [1/s].
    pure real(wp) function response(drive, pressure) result(strain_rate)
       type(drive_t), intent(in) :: drive
-      real(wp), intent(in) :: pressure               !! Of the axis, or the mean [Pa]
+      real(wp), intent(in) :: pressure               !! Pressure on the axis, or mean pressure [Pa]
       real(wp), parameter :: greatest = 20.0_wp, far = 0.1_wp
       real(wp) :: error
 

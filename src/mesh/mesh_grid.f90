@@ -16,8 +16,7 @@ module mesh_grid
 
    integer, parameter, public :: lanes = 8                     !! Nodes of a cell
    !> Bit of a direction in the number of a lane: inactive directions have the high bits, so that
-   !! the
-   !! lanes with weight come first.
+   !! the lanes with weight come first.
    integer, parameter, public :: lane_bit(3) = [0, 2, 1]
    integer, parameter :: least_width = 4                       !! Layers of cells before the halo
    integer, parameter :: default_width(3) = [64, 5, 6]         !! Cells along a tile, by dimensions
@@ -37,7 +36,7 @@ module mesh_grid
       !> Weight of lane a at local coordinate xi of direction k: constant(a, k) + slope(a, k) xi.
       real(wp) :: lane_constant(lanes, 3) = 0.0_wp
       real(wp) :: lane_slope(lanes, 3) = 0.0_wp
-      integer, allocatable :: cell_position(:, :)    !! (3, 0:cells - 1) Of a cell in its tile
+      integer, allocatable :: cell_position(:, :)    !! (3, 0:cells - 1) Position in the tile
       integer, allocatable :: first_node(:)          !! (0:cells - 1) Its first node in the tile
       !> (node of the grid, 3) Integral of the function of a node along each direction [m, m2]
       real(wp), allocatable :: line(:, :)

@@ -115,10 +115,10 @@ contains
       self%before(groups + 1) = pairs
    end subroutine group_by_rank
 
-   !> True where another number begins in a sorted list.
+   !> True where the value in a sorted list differs from the one before it.
    pure logical function starts(list, entry) result(first)
       integer(int64), intent(in) :: list(:)          !! Sorted
-      integer, intent(in) :: entry                   !! Where to look
+      integer, intent(in) :: entry                   !! Index in the list
 
       first = entry == 1
       if (.not. first) first = list(entry) /= list(entry - 1)
@@ -190,7 +190,7 @@ contains
    subroutine send_words(self, communicator, words)
       type(halo_t), intent(inout) :: self            !! The plan, with the words
       type(communicator_t), intent(inout) :: communicator
-      integer, intent(in) :: words                   !! Of an entry
+      integer, intent(in) :: words                   !! Number of words of an entry
 
       associate (length => words*(self%before(2:) - self%before(:size(self%rank))))
          call communicator%post(self%rank, length, self%posted)
@@ -199,9 +199,9 @@ contains
       self%words = self%words + int(words, int64)*size(self%tile)
    end subroutine send_words
 
-   !> Send key and packed patches of each border tile once to every rank that needs it, as whole
-   !! patches: the boxes of tiles at a border change from step to step, and the length of a message
-   !! does not.
+   !> Send key and packed patches of each border tile once to every rank that needs it. They are
+   !! sent as whole patches, because the boxes of tiles at a border change from step to step and the
+   !! length of a message must not.
    subroutine halo_post_packed(self, communicator, grid, tiles, boxes, packed)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(inout) :: communicator

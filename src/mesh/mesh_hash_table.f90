@@ -14,8 +14,8 @@ module mesh_hash_table
    integer(int64), parameter :: low_factor = 1013904223, high_factor = 668265263, &
       last_factor = 374761393
 
-   !> Hash table with open addressing: linear probes, at most half full. The order of
-   !> insertion of keys does not change a result. Reading from several threads is safe.
+   !> Hash table with open addressing: linear probes, at most half full. The order of insertion of
+   !! keys does not change a result. Reading from several threads is safe.
    type :: key_table_t
       private
       integer(int64) :: used = 0                     !! Number of keys

@@ -148,7 +148,7 @@ contains
    end subroutine point_space
 
    !> Number of levels that do more than exchange directions: the lowest level, which changes
-   !> nothing, counts as one of them.
+   !! nothing, counts as one of them.
    pure integer function levels_used(bits) result(levels)
       integer, intent(in) :: bits                    !! All bits that occur in the coordinates
 
@@ -185,9 +185,9 @@ contains
       first = ieor(first, iand(maskr(level), -ibits(first, level, 1)))
    end subroutine turn_self
 
-   !> Skilling's step for another direction: below the level, reverse the first direction if the
-   !> bit of the other is set, else exchange the two. Masks instead of a branch: the bits of a
-   !> coordinate are as good as random, so a branch would be mispredicted half the time.
+   !> Skilling's step for another direction: below the level, reverse the first direction if the bit
+   !! of the other is set, else exchange the two. Masks instead of a branch: the bits of a
+   !! coordinate are as good as random, so a branch would be mispredicted half the time.
    pure subroutine turn(first, other, level)
       integer, intent(inout) :: first                !! First direction
       integer, intent(inout) :: other                !! Another one

@@ -12,14 +12,14 @@ module mesh_motion
    type :: motion_t
       real(wp) :: steady(3) = 0.0_wp                 !! Constant velocity [m/s]
       real(wp) :: begin = 0.0_wp                     !! The wall acts from this time on [s]
-      real(wp) :: end = huge(1.0_wp)                 !! It ceases to act at this time [s]
+      real(wp) :: end = huge(1.0_wp)                 !! The wall acts until this time [s]
       real(wp), allocatable :: time(:)               !! Times of the table, ascending [s]
       real(wp), allocatable :: speed(:, :)           !! (3, entry) Velocities at these times [m/s]
    contains
       procedure :: acts => motion_acts               !! Does the wall act?
-      procedure :: velocity => motion_velocity       !! At a time
+      procedure :: velocity => motion_velocity       !! Velocity at a time
       procedure :: shift => motion_shift             !! Displacement since the wall began
-      procedure :: mean => motion_mean               !! Mean velocity of some time
+      procedure :: mean => motion_mean               !! Mean velocity over a time interval
       procedure :: moves => motion_moves             !! Does it move at all?
       procedure :: steer => motion_steer             !! Change the velocity from a time on
    end type motion_t
@@ -57,8 +57,7 @@ contains
    end function motion_velocity
 
    !> Displacement from the time at which the wall began, or from 0, to another time: the integral
-   !! of the
-   !! velocity, exact but for rounding [m]. Equation (R.4) of doc/theory/rigid.md.
+   !! of the velocity, exact but for rounding [m]. Equation (R.4) of doc/theory/rigid.md.
    pure function motion_shift(self, time) result(shift)
       class(motion_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]
@@ -78,7 +77,7 @@ contains
    pure function motion_mean(self, from, length) result(mean)
       class(motion_t), intent(in) :: self
       real(wp), intent(in) :: from                   !! Begin of the time [s]
-      real(wp), intent(in) :: length                 !! Its length, above 0 [s]
+      real(wp), intent(in) :: length                 !! Length of the interval, above 0 [s]
       real(wp) :: mean(3)
 
       mean = self%steady

@@ -14,9 +14,9 @@ module mesh_moving_cell
 
    public :: moving_cell_t, stretch_t
 
-   integer, parameter :: row_of(6) = [1, 2, 3, 1, 2, 1] !! Of a stress xx yy zz xy yz xz
+   integer, parameter :: row_of(6) = [1, 2, 3, 1, 2, 1] !! Rows of xx yy zz xy yz xz
    integer, parameter :: column_of(6) = [1, 2, 3, 2, 3, 3]
-   integer, parameter :: sums = 18                   !! Of stress and motion
+   integer, parameter :: sums = 18                   !! Number of sums of stress and motion
    integer, parameter :: packed = 23 + sums          !! Numbers of a checkpoint
 
    !> A stage.
@@ -29,11 +29,11 @@ module mesh_moving_cell
    !> Mesh and cell at the start of a step, in its middle and at its end.
    type :: stretch_t
       real(wp) :: before(3, 3) = 0.0_wp              !! F at the begin [1]
-      real(wp) :: back(3, 3) = 0.0_wp                !! Its inverse [1]
-      real(wp) :: volume = 1.0_wp                    !! Its determinant [1]
+      real(wp) :: back(3, 3) = 0.0_wp                !! Inverse of F at the begin [1]
+      real(wp) :: volume = 1.0_wp                    !! Determinant of F at the begin [1]
       real(wp) :: middle(3, 3) = 0.0_wp              !! Inverse of F in the middle of the step [1]
       real(wp) :: ahead(3, 3) = 0.0_wp               !! F at the end times `middle` [1]
-      real(wp) :: strain(3, 3) = 0.0_wp              !! Of the cell in the step, F1 F0^-1 - 1 [1]
+      real(wp) :: strain(3, 3) = 0.0_wp !! Strain of the cell in the step, F1 F0^-1 - 1 [1]
       real(wp) :: dt = 0.0_wp                        !! [s]
    end type stretch_t
 
@@ -42,7 +42,7 @@ module mesh_moving_cell
       !> Stress times volume of material that carries internal energy, of other material, and mass
       !! times the squares of velocities, xx yy zz xy yz xz [J]
       real(wp) :: now(sums) = 0.0_wp
-      real(wp) :: former(sums) = 0.0_wp              !! Of the previous step [J]
+      real(wp) :: former(sums) = 0.0_wp              !! Value of the previous step [J]
    end type sums_t
 
    !> The cell.
@@ -53,11 +53,11 @@ module mesh_moving_cell
       type(leg_t), allocatable :: legs(:)            !! Stages of the deck
       integer :: now = 1                             !! Stage
       integer :: logged = 0                          !! Stage that the log has
-      type(stretch_t) :: stretch                     !! Of the step
+      type(stretch_t) :: stretch                     !! Deformation of the step
       type(sums_t) :: sums                           !! At the end of the last step
-      real(wp) :: mass = 0.0_wp                      !! Of all material [kg]
-      real(wp) :: speed = 0.0_wp                     !! Of the fastest wave, at the start [m/s]
-      real(wp) :: work = 0.0_wp                      !! Of the stress on the cell so far [J]
+      real(wp) :: mass = 0.0_wp                      !! Mass of all material [kg]
+      real(wp) :: speed = 0.0_wp                     !! Speed of the fastest wave at the start [m/s]
+      real(wp) :: work = 0.0_wp                      !! Work of the stress on the cell so far [J]
       real(wp) :: steps(3, 3) = 0.0_wp               !! Whole edges subtracted in the step
    contains
       procedure :: tilt => cell_tilt                 !! Edges at the start
@@ -87,7 +87,7 @@ contains
       class(moving_cell_t), intent(inout) :: self
       real(wp), intent(in) :: mesh(3)                !! Edges of the mesh [m]
       logical, intent(in) :: active(3)               !! Directions that the scene has
-      real(wp), intent(in) :: tilt                   !! Of the second edge along x, over the first
+      real(wp), intent(in) :: tilt !! x of the second edge over x of the first
       integer :: axis
 
       self%mesh = mesh

@@ -70,7 +70,7 @@ contains
    pure subroutine boxes_find_offsets(self, grid, tiles)
       class(node_boxes_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles, perhaps more than have boxes
+      type(tiles_t), intent(in) :: tiles             !! The tiles; some may have no box yet
       integer :: tile
 
       self%before(1) = 0
@@ -291,7 +291,7 @@ contains
       integer, intent(in) :: number                  !! Number
       real(wp), intent(in) :: values(number)         !! Flattened
       integer, intent(in) :: before                  !! Index offset in the patch
-      integer, intent(in) :: numbers                 !! Of the patch
+      integer, intent(in) :: numbers                 !! Number of elements of the patch
       real(wp), intent(inout) :: patch(numbers)      !! Flattened
 
       patch(before + 1:before + number) = values

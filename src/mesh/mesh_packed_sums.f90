@@ -18,9 +18,9 @@ contains
       integer, intent(in) :: margin(3)               !! Layers before node 0
       integer, intent(in) :: stride(3)               !! Steps in the node index of the sums
       integer, intent(in) :: corner(3)               !! Lowest node of the packed patch
-      integer, intent(in) :: length(3)               !! Its nodes along each direction
+      integer, intent(in) :: length(3) !! Nodes of the packed patch along each direction
       real(wp), contiguous, intent(in) :: packed(:)   !! (row, node) Flat
-      integer, intent(in) :: numbers                 !! Of the sums
+      integer, intent(in) :: numbers                 !! Number of elements of the sums
       real(wp), intent(inout) :: sums(numbers)       !! (row, node) Flat
       integer :: y, z, here, there, line, top(2)
 
@@ -77,7 +77,7 @@ contains
       integer, intent(in) :: margin(3)               !! Layers before node 0
       integer, intent(in) :: stride(3)               !! Steps in the node index of the sums
       integer, intent(in) :: corner(3)               !! Lowest node of the packed patch
-      integer, intent(in) :: length(3)               !! Its nodes along each direction
+      integer, intent(in) :: length(3) !! Nodes of the packed patch along each direction
       real(wp), contiguous, intent(in) :: packed(:)   !! (row kept, node) Flat
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
       integer :: k, y, z, node, last, there
@@ -142,7 +142,7 @@ contains
       integer, intent(in) :: number                  !! Number
       integer, intent(in) :: before                  !! Index offset in the sums
       real(wp), intent(in) :: packed(number)         !! Flattened
-      integer, intent(in) :: numbers                 !! Of the sums
+      integer, intent(in) :: numbers                 !! Number of elements of the sums
       real(wp), intent(inout) :: sums(numbers)       !! Flattened
       integer :: n
 

@@ -76,8 +76,8 @@ contains
       end do
    end subroutine widen_box
 
-   !> Set the values of all nodes to zero, as one piece of memory: node by node it costs as much as
-   !! a tenth of a step.
+   !> Set the values of all nodes to zero as one contiguous array; a loop over nodes would take a
+   !! tenth of the time of a step.
    pure subroutine clear_patch(values)
       !$omp declare target
       real(wp), contiguous, intent(inout) :: values(:, :) !! (component, node)
@@ -93,8 +93,8 @@ contains
       values = 0.0_wp
    end subroutine clear_numbers
 
-   !> Sum of two fields of a tile with factors, as one piece of memory: three components at a time
-   !! cost ten times as much.
+   !> Sum of two fields of a tile with factors, as contiguous arrays; a loop over the nodes with
+   !! three components each would take ten times as long.
    pure subroutine combine(factor, one, share, other, total)
       !$omp declare target
       real(wp), intent(in) :: factor                 !! Factor of the first field
@@ -122,7 +122,7 @@ contains
       end do
    end subroutine combine_numbers
 
-   !> Add a field of a tile to another, as one piece of memory.
+   !> Add a field of a tile to another one, as contiguous arrays.
    pure subroutine add_field(field, total)
       real(wp), contiguous, intent(in) :: field(:, :)    !! (component, node)
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node)

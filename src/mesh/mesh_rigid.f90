@@ -22,7 +22,7 @@ module mesh_rigid
 
    !> All rigid regions of a scene.
    type :: rigid_t
-      type(wall_t), allocatable :: wall(:)           !! The regions, the later ones winning
+      type(wall_t), allocatable :: wall(:)           !! The regions; later ones take precedence
       type(held_t), allocatable :: held(:)           !! (tile) The nodes in them
       logical :: switched = .true. !! Has one started or stopped since nodes were found?
       real(wp) :: kick = 0.0_wp                      !! Time that forces act in this step [s]
@@ -58,8 +58,8 @@ contains
    !> Bring the regions to a time.
    pure subroutine rigid_advance(self, time, lag, kick)
       class(rigid_t), intent(inout) :: self
-      real(wp), intent(in) :: time                   !! Of the positions [s]
-      real(wp), intent(in) :: lag                    !! Of velocities behind positions [s]
+      real(wp), intent(in) :: time                   !! Time of the positions [s]
+      real(wp), intent(in) :: lag                    !! Lag of velocities behind positions [s]
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
       logical :: acted
       integer :: n
@@ -76,7 +76,7 @@ contains
    pure subroutine rigid_find_nodes(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its boundaries
+      type(boundary_t), intent(in) :: boundary       !! Boundaries of the domain
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! In: previous nodes
       real(wp), parameter :: near = 4.0_wp           ! maximum search distance [cells]
@@ -109,7 +109,7 @@ contains
    pure subroutine find_nodes(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its boundaries
+      type(boundary_t), intent(in) :: boundary       !! Boundaries of the domain
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! Receives them
       integer :: owner(grid%tile_nodes), node, count
@@ -148,10 +148,10 @@ contains
    pure subroutine find_normal(self, grid, boundary, coordinate, node, place, normal)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its boundaries
+      type(boundary_t), intent(in) :: boundary       !! Boundaries of the domain
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: node                    !! Node of the tile
-      real(wp), intent(in) :: place(3)               !! Of the node [m]
+      real(wp), intent(in) :: place(3)               !! Position of the node [m]
       real(wp), intent(out) :: normal(3)             !! Unit normal, or 0 if the node sticks [1]
       real(wp), parameter :: least = 1.0e-3_wp       ! a boundary and a region side by side
       integer :: k, wall, face, global(3)
@@ -223,9 +223,9 @@ contains
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), intent(in) :: dt                     !! Time step, above 0 [s]
-      real(wp), intent(in) :: share                  !! Of PIC in the transfer, 0 to 1
+      real(wp), intent(in) :: share                  !! Share of PIC in the transfer, 0 to 1
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
-      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With walls [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Velocity after walls [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: along(3), change(3), seen(3), taken, speed
       integer :: n, node
@@ -317,11 +317,11 @@ contains
       end associate
    end subroutine rigid_remove_prevented
 
-   !> Does a node not leave a region?
+   !> True if a node does not move out of a region.
    pure logical function stays(wall, normal, velocity) result(held)
       real(wp), intent(in) :: wall(3)                !! Velocity of the region [m/s]
       real(wp), intent(in) :: normal(3)              !! Outward
-      real(wp), intent(in) :: velocity(3)            !! Of the node [m/s]
+      real(wp), intent(in) :: velocity(3)            !! Velocity of the node [m/s]
       real(wp), parameter :: little = 1.0e-12_wp     ! remainder of a removed velocity
 
       held = .not. dot_product(velocity - wall, normal) > little*(norm2(velocity) + norm2(wall))

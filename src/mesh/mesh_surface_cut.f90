@@ -12,8 +12,8 @@ module mesh_surface_cut
 
    public :: cut_surface
 
-   integer, parameter :: halvings = 40                !! Of an edge: below rounding of positions
-   real(wp), parameter :: most_points = 2.0e6_wp      !! Of the lattice; more make it coarser
+   integer, parameter :: halvings = 40 !! Number of halvings of an edge: below rounding of positions
+   real(wp), parameter :: most_points = 2.0e6_wp      !! Points of the lattice, at most
    real(wp), parameter :: parts = 16.0_wp             !! Least number of steps across a set
    !> Steps of the lattice before the set: surfaces that follow the lattice give flat facets
    real(wp), parameter :: offset = 0.6180339887_wp
@@ -100,7 +100,7 @@ contains
    !> A point of the lattice, the same bits for all cells around it [m].
    pure function place_of(lattice, index) result(place)
       type(lattice_t), intent(in) :: lattice
-      integer, intent(in) :: index(3)                !! Of the point, from 0
+      integer, intent(in) :: index(3)                !! Index of the point, from 0
       real(wp) :: place(3)
 
       place = lattice%origin
@@ -152,8 +152,8 @@ contains
       end do
    end subroutine cut_cell
 
-   !> Whether an order of the directions is the one that counts: inactive ones come
-   !! last, in ascending order.
+   !> True for one of the permutations of the directions that differ only in inactive ones: that in
+   !! which the inactive directions come last, in ascending order.
    pure logical function in_order(order, active) result(counts)
       integer, intent(in) :: order(3)                !! A permutation of 1, 2, 3
       logical, intent(in) :: active(3)               !! Active directions

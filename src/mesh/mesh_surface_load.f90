@@ -21,10 +21,10 @@ module mesh_surface_load
    !> A load.
    type :: surface_load_t
       real(wp) :: stress(6) = 0.0_wp                 !! Stress tensor at a factor of 1 [Pa]
-      real(wp) :: factor = 1.0_wp                    !! Of this step [1]
+      real(wp) :: factor = 1.0_wp                    !! Factor of this step [1]
       type(motion_t), allocatable :: course          !! Factor over time in its first component
       class(point_set_t), allocatable :: region      !! Where it acts, if not everywhere
-      integer(int64), allocatable :: bodies(:)       !! On which bodies, if not on all
+      integer(int64), allocatable :: bodies(:)       !! Bodies on which the load acts, if not on all
    end type surface_load_t
 
 contains
@@ -33,7 +33,7 @@ contains
    pure subroutine set_loads(loads, from, length)
       type(surface_load_t), intent(inout) :: loads(:)
       real(wp), intent(in) :: from                   !! Begin of that time [s]
-      real(wp), intent(in) :: length                 !! Its length, 0 = an instant [s]
+      real(wp), intent(in) :: length                 !! Length of the time span, 0 = an instant [s]
       real(wp) :: value(3)
       integer :: n
 
@@ -122,7 +122,7 @@ contains
       real(wp), intent(in) :: inside(:)              !! (node) Its values
       real(wp), intent(in) :: point(3)               !! [m]
       real(wp), intent(out) :: share                 !! The function [1]
-      real(wp), intent(out) :: slope(3)              !! Its gradient [1/m]
+      real(wp), intent(out) :: slope(3)              !! Gradient [1/m]
       real(wp) :: place(3), weight(3), corner(3)
       integer :: cell(3), k, lane, node
 

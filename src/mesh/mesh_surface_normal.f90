@@ -13,15 +13,15 @@ module mesh_surface_normal
 
    public :: covers, find_surface_normal, touches
 
-   real(wp), parameter :: pace = 0.5_wp              !! Of the search along a ray [cells]
-   integer, parameter :: paces = 8                   !! Maximum search distance
-   real(wp), parameter :: aside = 0.05_wp            !! Of the positions that give slopes [cells]
-   integer, parameter :: halvings = 40               !! Of a piece of a ray
+   real(wp), parameter :: pace = 0.5_wp              !! Step of the search along a ray [cells]
+   integer, parameter :: paces = 8                   !! Number of steps: maximum search distance
+   real(wp), parameter :: aside = 0.05_wp            !! Distance of the positions for slopes [cells]
+   integer, parameter :: halvings = 40               !! Bisections of a part of a ray
    real(wp), parameter :: beside = 0.499999_wp       !! Distance that touches a wall [cells]
-   integer, parameter :: most_rays = 124             !! That start from a position
-   integer, parameter :: rounds = 12                 !! From a normal to a better one, at most
+   integer, parameter :: most_rays = 124             !! Most rays from a position
+   integer, parameter :: rounds = 12                 !! Most improvements of a normal
    real(wp), parameter :: converged = 1.0e-9_wp      !! Change of a normal that is good enough
-   real(wp), parameter :: within = 1.0e-6_wp         !! So far inside faces count [cells]
+   real(wp), parameter :: within = 1.0e-6_wp         !! Distance from faces in tests [cells]
 
 contains
 
@@ -70,7 +70,8 @@ contains
       end do
    end function touches
 
-   !> A position in the walls at or next to another one that touches them.
+   !> A position inside the walls: the given one, or a neighbouring one if the given one only
+   !! touches them.
    pure subroutine step_in(walls, grid, place, inside)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid

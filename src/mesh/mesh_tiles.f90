@@ -13,7 +13,7 @@ module mesh_tiles
    public :: tiles_t, partition_keys, partition_distributed_keys, partition_scattered_keys
 
    integer, parameter, public :: neighbors = 27      !! Neighbours of a tile, itself included
-   integer, parameter, public :: itself = 14         !! Its own index among them
+   integer, parameter, public :: itself = 14         !! Index of the tile itself among neighbours
 
    !> The tiles of one rank.
    type :: tiles_t
@@ -24,8 +24,8 @@ module mesh_tiles
       integer, allocatable :: neighbor(:, :)         !! (27, tile) Index of a neighbour, 0 = none
       integer(int64), allocatable :: border(:)       !! (0:ranks) r owns border(r) <= key < next
       integer(int64) :: version = 0                  !! Grows when own tiles or cuts change
-      type(key_table_t) :: table                     !! From key to index
-      integer, private :: shape(7) = -1              !! Of the grid that the neighbours hold for
+      type(key_table_t) :: table                     !! Table from keys to indices
+      integer, private :: shape(7) = -1 !! Shape of the grid to which the neighbours belong
    contains
       procedure :: set => tiles_set                  !! Give the tiles and find their neighbours
       procedure :: cut => tiles_cut                  !! Divide the curve among the ranks
@@ -127,7 +127,7 @@ contains
       if (same) same = all(self%key(:self%own) == own)
    end function same_own
 
-   !> Give the cuts of the curve. Tiles and particles stay where they are until they are sent.
+   !> Set the cuts of the curve. Tiles and particles are not moved to other ranks here.
    pure subroutine tiles_cut(self, border)
       class(tiles_t), intent(inout) :: self
       integer(int64), intent(in) :: border(0:)       !! (0:ranks) r owns border(r) <= key < next
@@ -177,7 +177,7 @@ contains
    !> Cut the curve so that the ranks get equal weights.
    pure subroutine partition_keys(key, weight, ranks, border)
       integer(int64), intent(in) :: key(:)           !! Occupied tiles, ascending
-      integer(int64), intent(in) :: weight(:)        !! Their weights
+      integer(int64), intent(in) :: weight(:)        !! Weights of the tiles
       integer, intent(in) :: ranks                   !! Number of ranks
       integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts
 
@@ -189,7 +189,7 @@ contains
    subroutine partition_distributed_keys(communicator, key, weight, border)
       type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: key(:)           !! Tiles of this rank, ascending
-      integer(int64), intent(in) :: weight(:)        !! Their weights
+      integer(int64), intent(in) :: weight(:)        !! Weights of the tiles
       integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts
       integer(int64) :: total(1)
 
@@ -207,7 +207,7 @@ contains
    subroutine partition_scattered_keys(communicator, key, weight, border)
       type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: key(:)           !! Tiles stored on this rank, ascending
-      integer(int64), intent(in) :: weight(:)        !! Their weights, or parts of them
+      integer(int64), intent(in) :: weight(:)        !! Weights of the tiles, or parts of these
       integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts
       integer(int64), allocatable :: before(:), low(:), high(:), sums(:)
       integer(int64) :: middle, total(1), most(1)
@@ -273,7 +273,7 @@ contains
    !> True if the middle of a tile is before a cut, by accumulated weight.
    pure logical function lies_before(before, weight, total, cut, ranks) result(lower)
       integer(int64), intent(in) :: before           !! Weight of the tiles before
-      integer(int64), intent(in) :: weight           !! Of the tile
+      integer(int64), intent(in) :: weight           !! Weight of the tile
       integer(int64), intent(in) :: total            !! Weight of all tiles
       integer, intent(in) :: cut                     !! Ranks before the cut
       integer, intent(in) :: ranks                   !! Number of ranks
@@ -286,7 +286,7 @@ contains
    !! accumulated weight of the previous ranks.
    pure subroutine find_cuts(key, weight, start, total, ranks, border)
       integer(int64), intent(in) :: key(:)           !! Occupied tiles, ascending
-      integer(int64), intent(in) :: weight(:)        !! Their weights
+      integer(int64), intent(in) :: weight(:)        !! Weights of the tiles
       integer(int64), intent(in) :: start            !! Weight of the tiles before
       integer(int64), intent(in) :: total            !! Weight of all tiles
       integer, intent(in) :: ranks                   !! Number of ranks

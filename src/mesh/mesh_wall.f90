@@ -13,17 +13,17 @@ module mesh_wall
 
    !> A boundary condition with its region, its motion, and the time interval in which it acts.
    type :: wall_t
-      character(len=64) :: name = ""                 !! Of its region, for pictures
+      character(len=64) :: name = ""                 !! Name of its region, for pictures
       integer :: face = 0                            !! Boundary of the domain, 0 = a rigid region
       class(boundary_condition_t), allocatable :: condition !! Condition; open without one
-      class(point_set_t), allocatable :: region      !! Its region, if not everywhere
+      class(point_set_t), allocatable :: region      !! Region of the wall, if not everywhere
       type(motion_t) :: motion                       !! Motion, and time interval of action
       logical :: acts = .true.                       !! Does it act now?
-      logical :: stays = .false.                     !! Does it move with the material?
+      logical :: stays = .false. !! Is the region fixed although it has a velocity?
       real(wp) :: shift(3) = 0.0_wp                  !! Displacement of the region so far [m]
    contains
       procedure :: advance => wall_advance           !! Set position and velocity at a time
-      procedure :: displacement => wall_displacement !! Of a region since its start
+      procedure :: displacement => wall_displacement !! Displacement of a region since its start
       procedure :: covers => wall_covers             !! Does it hold at a position now?
       procedure :: meets => wall_meets               !! Do its bounds overlap a box?
    end type wall_t
@@ -33,8 +33,8 @@ contains
    !> Set position and velocity of the wall at a time.
    pure subroutine wall_advance(self, time, lag, kick)
       class(wall_t), intent(inout) :: self
-      real(wp), intent(in) :: time                   !! Of the positions [s]
-      real(wp), intent(in) :: lag                    !! Of velocities behind positions [s]
+      real(wp), intent(in) :: time                   !! Time of the positions [s]
+      real(wp), intent(in) :: lag                    !! Lag of velocities behind positions [s]
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
 
       self%acts = self%motion%acts(time)

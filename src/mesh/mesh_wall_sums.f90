@@ -30,7 +30,7 @@ module mesh_wall_sums
       real(wp), allocatable :: velocity(:, :)        !! (3, node) As the last wall left them [m/s]
       real(wp), allocatable :: acceleration(:, :)    !! (3, node) The same [m/s2]
       real(wp) :: dt = 0.0_wp                        !! Time that forces act [s]
-      real(wp) :: share = 0.0_wp                     !! Of PIC in the transfer, 0 to 1
+      real(wp) :: share = 0.0_wp                     !! Share of PIC in the transfer, 0 to 1
    contains
       procedure :: begin => push_begin               !! Before walls act
       procedure :: note => push_note                 !! A wall has acted
@@ -42,7 +42,7 @@ contains
    !> Allocate the sums, 0.
    pure subroutine sums_start(self, walls)
       class(wall_sums_t), intent(inout) :: self
-      integer, intent(in) :: walls                   !! Their number
+      integer, intent(in) :: walls                   !! Number of walls
 
       if (allocated(self%total)) deallocate (self%total)
       allocate (self%total(wall_entries, walls))
@@ -53,7 +53,7 @@ contains
       class(wall_sums_t), intent(inout) :: self
       integer, intent(in) :: wall                    !! Index
       real(wp), intent(in) :: impulse(3)             !! On the material [N s]
-      real(wp), intent(in) :: velocity(3)            !! Of the wall in the middle of the step [m/s]
+      real(wp), intent(in) :: velocity(3) !! Velocity of the wall in the middle of the step [m/s]
       integer :: k
 
       do k = 1, 3
@@ -129,9 +129,9 @@ contains
    !> Before walls act on a tile.
    pure subroutine push_begin(self, walls, dt, share, velocity, acceleration)
       class(wall_push_t), intent(inout) :: self
-      integer, intent(in) :: walls                   !! Their number
+      integer, intent(in) :: walls                   !! Number of walls
       real(wp), intent(in) :: dt                     !! Time that forces act [s]
-      real(wp), intent(in) :: share                  !! Of PIC in the transfer, 0 to 1
+      real(wp), intent(in) :: share                  !! Share of PIC in the transfer, 0 to 1
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) [m/s]
       real(wp), intent(in) :: acceleration(:, :)     !! (3, node) [m/s2]
 

@@ -35,7 +35,7 @@ contains
    !> Write a checkpoint and count it.
    subroutine write_checkpoint(simulation, outputs, place, error)
       type(simulation_t), intent(inout) :: simulation
-      type(outputs_t), intent(in) :: outputs         !! Their counters are written too
+      type(outputs_t), intent(in) :: outputs         !! Outputs, whose counters are written too
       type(checkpoint_place_t), intent(inout) :: place !! Where; its number grows
       type(error_t), allocatable, intent(out) :: error !! Not written; older ones are intact
       type(state_t) :: state
@@ -55,7 +55,7 @@ contains
    end subroutine write_checkpoint
 
    !> Properties that the deck of a restart must not change: the number of directions, and whether
-   !! they are axisymmetric.
+   !! the scene is axisymmetric.
    pure function space_of(simulation) result(space)
       type(simulation_t), intent(in) :: simulation
       integer(int64) :: space(2)
@@ -145,7 +145,7 @@ contains
    !> True if a checkpoint has the greater number. Numbers have at least four digits, so the longer
    !! name is greater.
    pure logical function comes_after(path, other) result(after)
-      character(len=*), intent(in) :: path           !! Its path
+      character(len=*), intent(in) :: path           !! Path of the file
       character(len=*), intent(in) :: other          !! Path of the other one
 
       after = len(path) > len(other) .or. (len(path) == len(other) .and. lgt(path, other))

@@ -21,7 +21,7 @@ contains
    subroutine describe_simulation(deck, simulation, bodies, deck_text, folder, outputs, place)
       type(deck_t), intent(in) :: deck
       type(simulation_t), intent(in) :: simulation
-      type(body_t), intent(in) :: bodies(:)          !! Its bodies
+      type(body_t), intent(in) :: bodies(:)          !! Bodies of the scene
       character(len=*), intent(in) :: deck_text      !! Text as written
       character(len=:), allocatable, intent(in) :: folder !! From the command line, if given
       type(outputs_t), intent(inout) :: outputs      !! Gets folder, case and header

@@ -34,7 +34,7 @@ contains
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Its stores hold the fields; not changed
-      class(stream_t), intent(in) :: stream          !! Of the kind of output
+      class(stream_t), intent(in) :: stream          !! Word of the kind of output
       character(len=field_length), allocatable, intent(out) :: fields(:) !! Names, or "default"
       character(len=field_length), allocatable :: names(:)
       type(error_t), allocatable :: error
@@ -58,7 +58,7 @@ contains
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Possibly incomplete after errors
-      class(stream_t), intent(in) :: stream          !! Of the kind of output
+      class(stream_t), intent(in) :: stream          !! Word of the kind of output
       type(store_t) :: none(0)
       character(len=field_length), allocatable :: names(:)
       type(error_t), allocatable :: error

@@ -142,7 +142,7 @@ contains
    subroutine add_file(names, name, former)
       character(len=*), intent(in) :: names(:)           !! Names in the folder
       character(len=*), intent(in) :: name
-      type(former_run_t), intent(inout) :: former        !! Gets it
+      type(former_run_t), intent(inout) :: former        !! Gets the file
       integer :: n
 
       if (.not. any(names == name)) return

@@ -30,9 +30,9 @@ module output_history_columns
       "noise [Pa]"]
    integer, parameter :: potential = 1, runout = 2, height = 3, front = 4, tail = 7, &
       stretch = 10
-   character(len=*), parameter :: other_name = "mass_failed" !! Of failed_mass
+   character(len=*), parameter :: other_name = "mass_failed" !! Other name of failed_mass
    integer, parameter :: every = all_ledger + all_errors + size(further)
-   real(wp), parameter :: runout_mass = 0.99_wp      !! Of the mass, within the run-out
+   real(wp), parameter :: runout_mass = 0.99_wp      !! Fraction of the mass within the run-out
 
    !> The columns of a history, by their numbers in the list of all columns.
    type :: history_columns_t
@@ -136,8 +136,8 @@ contains
 
    !> Error message for a name; empty if it is valid.
    pure function find_fault(name, number, with_exact, grid, with_gravity) result(text)
-      character(len=*), intent(in) :: name           !! As in the deck
-      integer, intent(in) :: number                  !! Of the column, 0 = none
+      character(len=*), intent(in) :: name           !! Name as in the deck
+      integer, intent(in) :: number                  !! Number of the column, 0 = none
       logical, intent(in) :: with_exact              !! Is there an exact solution?
       type(grid_t), intent(in) :: grid               !! The grid and its directions
       logical, intent(in) :: with_gravity            !! Is there gravity?
@@ -181,7 +181,7 @@ contains
    !> Values of a line. Collective.
    subroutine history_row(simulation, columns, row)
       type(simulation_t), intent(inout) :: simulation
-      type(history_columns_t), intent(in) :: columns !! Its columns
+      type(history_columns_t), intent(in) :: columns !! Columns of the history
       real(wp), allocatable, intent(out) :: row(:)   !! (column)
       real(wp) :: values(every)
       type(balance_t) :: now

@@ -22,9 +22,9 @@ module output_rank_counts
    !> Counts over the ranks. Those of work and communication are sums over the steps.
    type :: rank_counts_t
       integer(int64) :: steps = 0                    !! Steps of these counts
-      integer(int64) :: least(counts) = 0            !! Of all ranks
+      integer(int64) :: least(counts) = 0            !! Least values over all ranks
       integer(int64) :: total(counts) = 0            !! Sum over the ranks
-      integer(int64) :: greatest(counts) = 0         !! Of all ranks
+      integer(int64) :: greatest(counts) = 0         !! Greatest values over all ranks
    end type rank_counts_t
 
 contains

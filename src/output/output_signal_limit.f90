@@ -95,15 +95,15 @@ contains
       end do
    end subroutine find_bounds
 
-   !> Wave speed plus speed of a particle, or less where that cannot be above a given speed. The
-   !! wave speed of one particle is costly, so it is computed only where the bound of the tile
-   !! exceeds the given speed.
+   !> Wave speed plus speed of a particle. The wave speed of one particle is costly, so it is added
+   !! only if the sum can exceed a given speed by the bound of the tile; otherwise the result is the
+   !! speed alone.
    pure real(wp) function signal_of(simulation, index, p, wave, above) result(signal)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: p                       !! Index of the particle
       real(wp), intent(in) :: wave                   !! Greatest wave speed in its tile [m/s]
-      real(wp), intent(in) :: above                  !! Lower signals are not used [m/s]
+      real(wp), intent(in) :: above !! Speed that the sum must be able to exceed [m/s]
 
       associate (velocity => simulation%stores(index)%velocity)
          signal = norm2([velocity(p, 1), velocity(p, 2), velocity(p, 3)])
@@ -133,7 +133,8 @@ contains
       end do
    end function fastest_particle
 
-   !> Particles of this rank with a greater signal. The count ends early if they are not few.
+   !> Number of particles of this rank with a greater signal speed. The count ends when it exceeds
+   !! the number that counts as few.
    integer(int64) function count_faster(simulation, wave, bound, speed, few) result(number)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: wave(:, :)             !! (tile, store) [m/s]

@@ -17,7 +17,7 @@ module output_snapshot_stream
    public :: limit_files, snapshot_stream_t
 
    real(wp), parameter :: most_bytes = 1.0e12_wp     !! A stream with more needs --force
-   real(wp), parameter :: most_files = 1.0e6_wp      !! The same for its files
+   real(wp), parameter :: most_files = 1.0e6_wp      !! Limit of the number of files
 
    !> A stream of files.
    type, abstract, extends(stream_t) :: snapshot_stream_t
@@ -49,7 +49,7 @@ module output_snapshot_stream
          type(simulation_t), intent(inout) :: simulation
          character(len=*), intent(in) :: path
          type(snapshot_header_t), intent(in) :: header !! Text and time for the file
-         type(error_t), allocatable, intent(out) :: error !! It cannot be written
+         type(error_t), allocatable, intent(out) :: error !! If the file cannot be written
       end subroutine write_file_i
 
       !> Expected size of a file [byte].
@@ -57,7 +57,7 @@ module output_snapshot_stream
          import :: int64, snapshot_stream_t, wp
          implicit none
          class(snapshot_stream_t), intent(in) :: self
-         integer(int64), intent(in) :: particles     !! In all bodies
+         integer(int64), intent(in) :: particles     !! Number of particles in all bodies
       end function bytes_i
    end interface
 
@@ -137,7 +137,7 @@ contains
    subroutine snapshot_limit(self, deck, particles, time_end, steps)
       class(snapshot_stream_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      integer(int64), intent(in) :: particles        !! In all bodies
+      integer(int64), intent(in) :: particles        !! Number of particles in all bodies
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
 
@@ -185,7 +185,7 @@ contains
    !> Set them from a checkpoint.
    pure subroutine snapshot_set_counters(self, counters)
       class(snapshot_stream_t), intent(inout) :: self
-      integer(int64), intent(in) :: counters(:)      !! From snapshot_counters
+      integer(int64), intent(in) :: counters(:)      !! Counters from snapshot_counters
 
       self%next = int(counters(1))
       self%last_step = counters(2)

@@ -121,7 +121,7 @@ module output_stream
          implicit none
          class(stream_t), intent(in) :: self
          type(deck_t), intent(inout) :: deck         !! Collects errors
-         integer(int64), intent(in) :: particles     !! In all bodies
+         integer(int64), intent(in) :: particles     !! Number of particles in all bodies
          real(wp), intent(in) :: time_end            !! End of the run [s]
          real(wp), intent(in) :: steps               !! Expected number of steps
       end subroutine limit_i

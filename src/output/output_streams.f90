@@ -45,7 +45,7 @@ contains
    subroutine outputs_plan(self, deck, simulation, shapes, time_end)
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
       type(named_shape_t), intent(in) :: shapes(:)
       real(wp), intent(in) :: time_end               !! End of the run [s]
       type(stream_holder_t) :: next
@@ -198,7 +198,7 @@ contains
    subroutine outputs_limit(self, deck, particles, time_end, steps)
       class(outputs_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      integer(int64), intent(in) :: particles        !! In all bodies
+      integer(int64), intent(in) :: particles        !! Number of particles in all bodies
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
       integer :: n
@@ -246,7 +246,7 @@ contains
    !! files, so that a deck with more or fewer streams finds those that it has.
    subroutine outputs_save(self, state)
       class(outputs_t), intent(in) :: self
-      type(state_t), intent(inout) :: state          !! Of the checkpoint
+      type(state_t), intent(inout) :: state          !! State of the checkpoint
       integer :: n
 
       do n = 1, size(self%streams)
@@ -268,7 +268,7 @@ contains
    !! The state of the schedules follows from the time, because intervals may have changed.
    subroutine outputs_load(self, state)
       class(outputs_t), intent(inout) :: self
-      type(state_t), intent(in) :: state             !! Of the checkpoint
+      type(state_t), intent(in) :: state             !! State of the checkpoint
       integer(int64), allocatable :: counters(:)
       type(error_t), allocatable :: error
       integer :: n

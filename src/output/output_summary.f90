@@ -127,8 +127,8 @@ contains
    !> Particle updates in the steps, and their rate.
    subroutine add_work(json, updates, worked, rate)
       type(json_t), intent(inout) :: json
-      integer(int64), intent(in) :: updates          !! Of particles, on all ranks
-      real(wp), intent(in) :: worked                 !! Of the processor, on all ranks [s]
+      integer(int64), intent(in) :: updates          !! Number of particle updates on all ranks
+      real(wp), intent(in) :: worked                 !! Processor time of all ranks [s]
       real(wp), intent(in) :: rate                   !! Updates a second of wall time
 
       call json%add("processor_s", worked)
@@ -140,7 +140,7 @@ contains
    subroutine add_layout(json, simulation, counted)
       type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation
-      type(rank_counts_t), intent(in) :: counted     !! Of the ranks
+      type(rank_counts_t), intent(in) :: counted     !! Counts of the ranks
 
       call json%add("steps", simulation%clock%step)
       call json%add("time", simulation%clock%time)
@@ -171,7 +171,7 @@ contains
    pure real(wp) function step_rate(simulation, updates, seconds) result(rate)
       type(simulation_t), intent(in) :: simulation   !! For the phases
       integer(int64), intent(in) :: updates          !! On all ranks
-      real(wp), intent(in) :: seconds(:)             !! (phase) Of the slowest rank [s]
+      real(wp), intent(in) :: seconds(:)             !! (phase) Time of the slowest rank [s]
       real(wp) :: total
 
       associate (phase => simulation%machine%phase)
@@ -188,7 +188,7 @@ contains
    !> Memory of particle and node fields for each particle [byte].
    real(wp) function bytes_per_particle(simulation, particles) result(bytes)
       type(simulation_t), intent(inout) :: simulation
-      integer(int64), intent(in) :: particles        !! On all ranks
+      integer(int64), intent(in) :: particles        !! Number of particles on all ranks
       type(node_tally_t) :: tally
       integer(int64) :: total(1)
       integer :: index
@@ -214,7 +214,7 @@ contains
    function balance_text(now, rate, whole_rate, bytes) result(text)
       type(balance_t), intent(in) :: now             !! Ledger entries and errors
       real(wp), intent(in) :: rate                   !! Particle updates a second of the steps
-      real(wp), intent(in) :: whole_rate             !! The same of the whole call, output included
+      real(wp), intent(in) :: whole_rate             !! Rate of the whole call, output included
       real(wp), intent(in) :: bytes                  !! A particle
       character(len=:), allocatable :: text
       character(len=200) :: line

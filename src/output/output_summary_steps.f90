@@ -17,8 +17,8 @@ contains
    !! steps, and the times spent.
    function steps_text(simulation, wall, worked, reason) result(text)
       type(simulation_t), intent(in) :: simulation   !! The run at its end
-      real(wp), intent(in) :: wall                   !! Of the whole call [s]
-      real(wp), intent(in) :: worked                 !! Of the processor in the steps, all ranks [s]
+      real(wp), intent(in) :: wall                   !! Wall time of the whole call [s]
+      real(wp), intent(in) :: worked                 !! Processor time of the steps, all ranks [s]
       character(len=*), intent(in) :: reason         !! Reason of the end
       character(len=:), allocatable :: text
       character(len=16) :: part(2)

@@ -86,7 +86,7 @@ contains
 
    !> Add a part of a face, for a time interval that is not empty.
    pure subroutine add_plain(walls, boundary, face, begin, finish, piece)
-      type(walls_t), intent(inout) :: walls          !! Get it
+      type(walls_t), intent(inout) :: walls          !! Get the face
       type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
       real(wp), intent(in) :: begin                  !! Start of the time interval [s]

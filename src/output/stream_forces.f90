@@ -106,7 +106,7 @@ contains
 
    !> Names of the existing walls, for a message.
    function listed(name, known) result(text)
-      character(len=*), intent(in) :: name           !! As in the deck
+      character(len=*), intent(in) :: name           !! Name as in the deck
       type(text_t), intent(in) :: known(:)           !! Names of the walls
       character(len=:), allocatable :: text
       character(len=:), allocatable :: near

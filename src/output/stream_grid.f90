@@ -31,7 +31,7 @@ module stream_grid
       real(wp) :: cells = 0.0_wp                     !! Most cells of a file
    contains
       procedure :: about => grid_about               !! For the help
-      procedure :: ending => grid_ending             !! Of names
+      procedure :: ending => grid_ending             !! End of file names
       procedure :: declare => grid_declare           !! Keys
       procedure :: read => grid_read                 !! Read the keys
       procedure :: try_field => grid_try_field       !! Check a name
@@ -74,7 +74,7 @@ contains
       class(stream_grid_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
       type(named_shape_t), intent(in) :: shapes(:)
       type(error_t), allocatable :: error
 
@@ -117,7 +117,7 @@ contains
    subroutine grid_limit(self, deck, particles, time_end, steps)
       class(stream_grid_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      integer(int64), intent(in) :: particles        !! In all bodies
+      integer(int64), intent(in) :: particles        !! Number of particles in all bodies
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
 
@@ -133,7 +133,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       character(len=*), intent(in) :: path
       type(snapshot_header_t), intent(in) :: header  !! Text and time for the file
-      type(error_t), allocatable, intent(out) :: error !! It cannot be written
+      type(error_t), allocatable, intent(out) :: error !! If the file cannot be written
 
       call grid_write(simulation%machine%communicator, path, simulation%space%grid, &
          simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), simulation%stores, &

@@ -65,7 +65,7 @@ contains
       class(stream_history_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
       type(named_shape_t), intent(in) :: shapes(:)   !! Unused
       character(len=field_length), allocatable :: fields(:)
       type(error_t), allocatable :: error

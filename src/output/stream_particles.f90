@@ -26,7 +26,7 @@ module stream_particles
       type(fragments_t) :: fragments                 !! Definition of the field `fragment`
    contains
       procedure :: about => particles_about          !! For the help
-      procedure :: ending => particles_ending        !! Of names
+      procedure :: ending => particles_ending        !! End of file names
       procedure :: declare => particles_declare      !! Keys
       procedure :: read => particles_read            !! Read the keys
       procedure :: read_default => particles_read_default !! Without &output
@@ -73,7 +73,7 @@ contains
       class(stream_particles_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
       type(named_shape_t), intent(in) :: shapes(:)
 
       call read_fields(group, deck, simulation, self, self%fields)
@@ -109,8 +109,8 @@ contains
       call choose_columns(stores, [field], columns, error)
    end subroutine particles_try_field
 
-   !> The field `fragment` numbers the rows of the first table of fragments; without a table,
-   !! fragments are all material separated by gaps.
+   !> The field `fragment` is the row number in the first table of fragments. Without such a table,
+   !! fragments are connected parts of the material.
    subroutine particles_take_fragments(self, fragments)
       class(stream_particles_t), intent(inout) :: self
       type(fragments_t), intent(in) :: fragments     !! Definition of that table
@@ -145,7 +145,7 @@ contains
    !> Expected size of a file [byte].
    pure real(wp) function particles_bytes_of_file(self, particles) result(bytes)
       class(stream_particles_t), intent(in) :: self
-      integer(int64), intent(in) :: particles        !! In all bodies
+      integer(int64), intent(in) :: particles        !! Number of particles in all bodies
 
       bytes = real(particles, wp)*snapshot_bytes
    end function particles_bytes_of_file

@@ -17,7 +17,7 @@ module stream_slice
    type, extends(stream_particles_t) :: stream_slice_t
    contains
       procedure :: about => slice_about              !! For the help
-      procedure :: ending => slice_ending            !! Of names
+      procedure :: ending => slice_ending            !! End of file names
       procedure :: declare => slice_declare          !! Keys
       procedure :: read => slice_read                !! Read the keys
       procedure :: default_count => slice_default_count !! Not without &output
@@ -61,7 +61,7 @@ contains
       class(stream_slice_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
       type(named_shape_t), intent(in) :: shapes(:)
 
       call self%stream_particles_t%read(group, deck, simulation, shapes)

@@ -58,7 +58,7 @@ module particle_body
    type, extends(initial_state_t) :: body_t
       character(len=:), allocatable :: name           !! For messages and files
       type(shape_holder_t) :: shape                   !! Region of the body
-      class(given_t), allocatable :: given            !! Its particles, if not on the lattice
+      class(given_t), allocatable :: given !! Particles of the body, if not on the lattice
       integer :: store = 1                            !! Index of its material
       integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
       logical :: cut = .false.                        !! Are sites at the surface cut by it?

@@ -75,7 +75,7 @@ contains
       type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: round             !! From 1
       integer, intent(out) :: coordinate(3)           !! Tile, counted from 0
-      logical, intent(out) :: dealt                   !! Is there one?
+      logical, intent(out) :: dealt                   !! Does the rank get a tile?
       integer(int64), parameter :: seed = 20_int64
       integer(int64) :: ranks, place
       integer :: width(3), body, n

@@ -43,7 +43,7 @@ contains
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
-      real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
+      real(wp), intent(in) :: density                !! Density of their material at rest [kg/m3]
       logical, intent(in) :: loose                   !! Can the material separate?
       real(wp), intent(inout) :: patch(:, :)         !! (2, node) [m3], [m3 Pa]
       real(wp) :: weight(8), volume
@@ -64,7 +64,7 @@ contains
    pure real(wp) function claimed_volume(store, p, density, loose) result(volume)
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
-      real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
+      real(wp), intent(in) :: density                !! Density of its material at rest [kg/m3]
       logical, intent(in) :: loose                   !! Can the material separate?
       logical :: open
 

@@ -17,9 +17,9 @@ module particle_disks
 
    public :: disks_t, start_disks
 
-   !> Fraction of space, by dimensions, that balls with the least distance as diameter fill where
-   !! as many points are tried as below; found by counting. For infinitely many trials it is 0.748,
-   !! 0.547 and 0.384: A. Rényi (1958), J. Feder, J. Theor. Biol. 87 (1980) 237.
+   !> Fraction of space that balls with the least distance as diameter fill after `trials` random
+   !! points per expected particle, by dimensions; measured by counting. For infinitely many trials
+   !! it is 0.748, 0.547 and 0.384: A. Rényi (1958), J. Feder, J. Theor. Biol. 87 (1980) 237.
    real(wp), parameter :: filled(3) = [0.71_wp, 0.461_wp, 0.277_wp]
    !> Volume of a ball of diameter one, by dimensions.
    real(wp), parameter :: ball(3) = [1.0_wp, 0.785398163397448_wp, 0.523598775598299_wp]
@@ -57,8 +57,8 @@ contains
       type(disks_t), intent(out) :: disks
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: per_cell                 !! Particles of a cell
-      integer(int64), intent(in) :: seed              !! Of the run
-      integer(int64), intent(in) :: key               !! Of the body
+      integer(int64), intent(in) :: seed              !! Seed of the run
+      integer(int64), intent(in) :: key               !! Key of the body
       type(thrown_t) :: thrown
       integer :: k, n
       logical, allocatable :: near(:)
@@ -87,7 +87,7 @@ contains
 
    !> Cells along a block. In a periodic direction the blocks must divide the domain.
    pure integer function block_width(cells, periodic, usual) result(width)
-      integer, intent(in) :: cells                    !! Of the grid
+      integer, intent(in) :: cells                    !! Number of cells of the grid
       logical, intent(in) :: periodic
       integer, intent(in) :: usual                     !! Usual width
       integer :: trial
@@ -103,7 +103,7 @@ contains
    !> Make an empty block.
    pure subroutine start_block(thrown, disks)
       type(thrown_t), intent(out) :: thrown
-      class(disks_t), intent(in) :: disks              !! Its distance and width
+      class(disks_t), intent(in) :: disks              !! Disks with distance and width
 
       thrown%width = disks%width
       thrown%bins = max(int(real(disks%width, wp)/disks%distance), 1)
@@ -242,7 +242,7 @@ contains
 
    !> Blocks along each direction.
    pure function blocks_of(disks, grid) result(blocks)
-      class(disks_t), intent(in) :: disks              !! Their width
+      class(disks_t), intent(in) :: disks              !! Disks with their width
       type(grid_t), intent(in) :: grid
       integer :: blocks(3)
 

@@ -2,11 +2,9 @@
 !> Solids whose surface is given by triangles.
 !!
 !! A point is inside if the winding number of the surface around it is not 0: the signed crossings
-!! of
-!! a ray from the point along z are counted. Corners are rounded to an integer lattice and all side
-!! tests are exact, with more than 64 bits where needed. A ray through an edge or a corner is
-!! shifted
-!! by an infinitesimal, so no crossing is lost or counted twice (simulation of simplicity,
+!! of a ray from the point along z are counted. Corners are rounded to an integer lattice and all
+!! side tests are exact, with more than 64 bits where needed. A ray through an edge or a corner is
+!! shifted by an infinitesimal, so no crossing is lost or counted twice (simulation of simplicity,
 !! H. Edelsbrunner and E. P. Mücke, ACM Trans. Graph. 9 (1990) 66). A grid over x and y finds the
 !! facets above a point.
 module particle_facets
@@ -19,8 +17,8 @@ module particle_facets
 
    public :: facets_t, set_facets
 
-   integer, parameter :: most_columns = 512              !! Of the grid along x or y
-   integer(int64), parameter :: ticks = 2_int64**28      !! Of the lattice, along the longest edge
+   integer, parameter :: most_columns = 512 !! Largest number of columns of the grid along x or y
+   integer(int64), parameter :: ticks = 2_int64**28      !! Lattice points along the longest edge
 
    !> A solid.
    type, extends(shape_t) :: facets_t
@@ -29,7 +27,7 @@ module particle_facets
       real(wp), private :: lower(3) = 0.0_wp             !! Lower corner of the lattice [m]
       real(wp), private :: upper(3) = -1.0_wp            !! Upper corner of the facets [m]
       real(wp), private :: step = 1.0_wp                 !! Lattice constant [m]
-      integer, private :: columns(2) = 1                 !! Of the grid, along x and y
+      integer, private :: columns(2) = 1 !! Numbers of columns of the grid along x and y
       integer, allocatable, private :: first(:)          !! (column) First entry of its list
       integer, allocatable, private :: list(:)           !! Facets over each column
    contains

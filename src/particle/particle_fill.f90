@@ -29,7 +29,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
-      integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
+      integer(int64), allocatable, intent(out) :: particles(:) !! (tile) Number of particles
       integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each, on all ranks
       type(candidates_t) :: candidates
       integer(int64), allocatable :: own(:), pairs(:, :)
@@ -94,7 +94,7 @@ contains
       real(wp), contiguous, intent(in) :: high(:, :)  !! (direction, body) [m]
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer(int64), intent(inout) :: body_count(:)  !! (body) Grows by its particles
-      integer(int64), intent(out) :: particles        !! Of all bodies
+      integer(int64), intent(out) :: particles        !! Number of particles of all bodies
       integer(int64) :: found
       integer :: near(size(bodies)), number, n
 
@@ -162,9 +162,9 @@ contains
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
       integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
-      real(wp), intent(in) :: middle(3)               !! Of the site [m]
+      real(wp), intent(in) :: middle(3)               !! Centre of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
-      real(wp), intent(out) :: position(3) !! Of the particle, if the fraction is above 0 [m]
+      real(wp), intent(out) :: position(3) !! Of the particle, if the fraction is > 0 [m]
       integer :: x, y, z, corners
       logical :: inside
 
@@ -192,9 +192,9 @@ contains
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
       integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
-      real(wp), intent(in) :: middle(3)               !! Of the site [m]
+      real(wp), intent(in) :: middle(3)               !! Centre of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
-      real(wp), intent(inout) :: position(3) !! Of the particle, if the fraction is above 0 [m]
+      real(wp), intent(inout) :: position(3) !! Of the particle, if the fraction is > 0 [m]
       integer, parameter :: samples(3) = [64, 12, 6]  ! along an edge, by dimensions
       real(wp), parameter :: least = 0.02_wp
       real(wp) :: place(3), edge(3), weight, whole, part, moment(3)
@@ -353,8 +353,8 @@ contains
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
       integer, intent(in) :: tile
-      integer(int64), intent(in) :: identity          !! Of the particle
-      integer, intent(in) :: home                     !! Its cell in the tile, from 0
+      integer(int64), intent(in) :: identity          !! Identity of the particle
+      integer, intent(in) :: home                     !! Cell of the particle in the tile, from 0
       real(wp), intent(in) :: position(3)             !! [m]
       real(wp), intent(in) :: volume                  !! [m3]
       type(store_t), intent(inout) :: store
@@ -382,7 +382,7 @@ contains
    !> Random displacement of a particle from the middle of its site, in edges of the site, up to a
    !! quarter to either side. It depends on the identity alone.
    pure function random_shift(identity) result(shift)
-      integer(int64), intent(in) :: identity          !! Of the particle
+      integer(int64), intent(in) :: identity          !! Identity of the particle
       real(wp) :: shift(3)
       integer(int64), parameter :: seed = 12345_int64
       integer :: k
@@ -393,8 +393,7 @@ contains
    end function random_shift
 
    !> Set the initial size and velocity gradient of a particle, as far as the store has them. Along
-   !! a
-   !! missing direction its size is 0.
+   !! a missing direction its size is 0.
    pure subroutine set_size(half, p, store)
       real(wp), intent(in) :: half(3)                 !! Half its edges [m]
       integer, intent(in) :: p

@@ -27,11 +27,11 @@ module particle_inflow
       integer :: axis = 1                            !! Direction of the flow
       real(wp) :: sense = 1.0_wp                     !! -1 = against the axis
       real(wp) :: plane = 0.0_wp                     !! Where material enters, along the axis [m]
-      real(wp) :: length = 0.0_wp                    !! Of the body along the flow [m]
+      real(wp) :: length = 0.0_wp                    !! Length of the body along the flow [m]
       integer(int64) :: identities = 0               !! Added to an identity from copy to copy
       type(store_t) :: pattern                       !! Particles in the tiles of the body
-      integer, allocatable :: particle(:)            !! (entry) Those of the body
-      integer(int64), allocatable :: identity(:)     !! (entry) Their first identities
+      integer, allocatable :: particle(:)            !! (entry) Particle of the body
+      integer(int64), allocatable :: identity(:)     !! (entry) First identity of the copies
       real(wp), allocatable :: origin(:)             !! (entry) Positions along the axis [m]
    contains
       procedure :: travel => inflow_travel           !! Displacement of the flow
@@ -45,7 +45,7 @@ module particle_inflow
       integer(int64), allocatable :: rows(:, :)      !! (word, row) All fields
    end type fed_t
 
-   real(wp), parameter :: inside = 1.0e-6_wp !! Of a cell, least distance behind the plane
+   real(wp), parameter :: inside = 1.0e-6_wp !! Fraction of a cell, least distance behind the plane
 
 contains
 

@@ -332,7 +332,7 @@ contains
    !> Merge kept tiles and new keys into one ascending list: old index, or minus the new key's.
    pure subroutine merge_keys(kept_key, kept_tile, new_key, mark)
       integer(int64), intent(in) :: kept_key(:)      !! Ascending
-      integer, intent(in) :: kept_tile(:)            !! Their indices
+      integer, intent(in) :: kept_tile(:)            !! Indices of these tiles
       integer(int64), intent(in) :: new_key(:)       !! In any order, with repetitions
       integer, allocatable, intent(out) :: mark(:)   !! (tile) > 0 old tile, < 0 index in new_key
       integer :: order(size(new_key)), i, j, n

@@ -26,7 +26,7 @@ module particle_neighbours
    type :: neighbour_table_t
       integer :: size = 0                            !! Entries in use, odd
       integer, allocatable :: entry(:)               !! Particle of the tile, 0 = empty
-      integer, allocatable :: body(:)                !! (particle of the tile) Its lattice
+      integer, allocatable :: body(:) !! (particle of the tile) Body, whose lattice is used
       integer(int64), allocatable :: key(:)          !! (particle of the tile) Its site, < 0 = none
    contains
       procedure :: lengths => table_lengths          !! Longest distances to lattice neighbours
@@ -102,7 +102,7 @@ contains
    !> The body of a particle, by bisection.
    pure integer function body_of(lattices, identity) result(body)
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
-      integer(int64), intent(in) :: identity         !! Of a particle
+      integer(int64), intent(in) :: identity         !! Identity of a particle
       integer :: last, middle
 
       body = 1
@@ -217,10 +217,10 @@ contains
       end do
    end function separation_vector
 
-   !> Length of the longest vector of the shortest basis of a lattice, given any basis. Vectors
-   !! are shortened by integer multiples of each other until none gets shorter (C. F. Gauss,
-   !! Disquisitiones
-   !! Arithmeticae (1801); in space by pairs, and by all sums and differences of the others).
+   !> Length of the longest vector of the shortest basis of a lattice, given any basis. Vectors are
+   !! shortened by integer multiples of each other until none gets shorter (C. F. Gauss,
+   !! Disquisitiones Arithmeticae (1801); in space by pairs, and by all sums and differences of the
+   !! others).
    pure real(wp) function shortest_longest(edge) result(length)
       real(wp), intent(in) :: edge(:, :)             !! (component, vector) One to three vectors [m]
       integer, parameter :: most = 60                ! sweeps; shears of 1e15 need fewer

@@ -110,8 +110,7 @@ contains
    end subroutine find_homes
 
    !> Tile of a position and cell in the tile. A position outside the domain is wrapped at a
-   !! periodic
-   !! boundary, clipped at a closed one, and lost at an open one.
+   !! periodic boundary, clipped at a closed one, and lost at an open one.
    pure subroutine find_place(grid, boundary, position, owner, cells, lost)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
@@ -142,9 +141,8 @@ contains
    end subroutine find_place
 
    !> Move a position back into the domain: through a periodic boundary, or just inside a closed
-   !! one,
-   !! which a particle crosses by rounding only. A position that rounds to the upper boundary counts
-   !! as on it, so that a particle is never beyond the cell that contains it.
+   !! one, which a particle crosses by rounding only. A position that rounds to the upper boundary
+   !! counts as on it, so that a particle is never beyond the cell that contains it.
    pure subroutine wrap_position(grid, boundary, position, p)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary

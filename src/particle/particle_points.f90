@@ -29,7 +29,7 @@ module particle_points
       real(wp), allocatable, private :: position(:, :)   !! (3, particle) [m]
       real(wp), allocatable, private :: volume(:)        !! (particle) [m3]
       integer(int64), allocatable, private :: row(:)     !! (particle) From 1
-      integer(int64), allocatable, private :: key(:)     !! (particle) Of its tile, ascending
+      integer(int64), allocatable, private :: key(:)     !! (particle) Key of its tile, ascending
    contains
       procedure :: numbers => points_numbers             !! Number of possible identities
       procedure :: collect => points_collect             !! The particles of a tile

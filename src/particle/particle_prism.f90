@@ -11,12 +11,12 @@ module particle_prism
    !> A prism. Its sides and ends are half-open, so adjacent prisms have no common point.
    type, extends(framed_t) :: prism_t
       integer :: axis = 3                                !! Direction of extrusion
-      real(wp), allocatable, private :: corner(:, :)     !! (2, corner) Of the polygon, in order [m]
+      real(wp), allocatable, private :: corner(:, :)     !! (2, corner) Polygon, in order [m]
       real(wp), private :: span(2) = 0.0_wp              !! Lower and upper end [m]
    contains
       procedure :: holds => prism_holds                  !! Is a point in local coordinates inside?
       procedure :: own_bounds => prism_own_bounds        !! A bounding box in local coordinates
-      procedure :: area => prism_area                    !! Of the polygon in space
+      procedure :: area => prism_area                    !! Area of the polygon in space
       procedure :: height => prism_height                !! Length in space
    end type prism_t
 

@@ -42,8 +42,8 @@ contains
    pure type(solid_t) function cone(centre, axis, radius, upper_radius, height) result(shape)
       real(wp), intent(in) :: centre(3)                  !! Middle of the axis [m]
       real(wp), intent(in) :: axis(3)                    !! Direction, of any length
-      real(wp), intent(in) :: radius                     !! At the start of the axis [m]
-      real(wp), intent(in) :: upper_radius               !! At its end [m]
+      real(wp), intent(in) :: radius                     !! Radius at the start of the axis [m]
+      real(wp), intent(in) :: upper_radius               !! Radius at the end of the axis [m]
       real(wp), intent(in) :: height                     !! Length of the axis [m]
 
       shape%kind = is_cone
@@ -56,7 +56,7 @@ contains
    pure type(solid_t) function torus(centre, axis, radius, thickness) result(shape)
       real(wp), intent(in) :: centre(3)                  !! Centre [m]
       real(wp), intent(in) :: axis(3)                    !! Direction, of any length
-      real(wp), intent(in) :: radius                     !! Of its centre line [m]
+      real(wp), intent(in) :: radius                     !! Radius of its centre line [m]
       real(wp), intent(in) :: thickness                  !! Radius of its cross-section [m]
 
       shape%kind = is_torus
@@ -77,7 +77,7 @@ contains
 
    !> Three orthogonal directions, the third one along an axis.
    pure function frame_of(axis) result(frame)
-      real(wp), intent(in) :: axis(3)                    !! Of any length
+      real(wp), intent(in) :: axis(3)                    !! Axis of any length
       real(wp) :: frame(3, 3)
       integer :: least
 

@@ -19,7 +19,7 @@ module particle_sort_store
       integer, allocatable :: source(:) !! (particle) Old index > 0, row < 0, 0 = unused
       integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       integer :: word = 0                             !! Words of the rows used so far
-      ! the old array of a field becomes the new one of the next field of its shape
+      ! the old array of a field is reused as the new array of the next field of the same shape
       real(wp), allocatable :: spare(:)               !! (particle) For scalars
       real(wp), allocatable :: spare_vector(:, :)     !! (particle, component) For vectors
       integer(int64), allocatable :: spare_whole(:)   !! (particle) For integers
@@ -38,7 +38,7 @@ contains
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
       integer, intent(in) :: before(:)                !! (tile + 1) Rows of lower tiles
       integer, intent(in) :: row(:)                   !! Rows grouped by tile
-      integer, intent(in) :: home(:)                  !! (row) Their cells
+      integer, intent(in) :: home(:)                  !! (row) Cells of the rows
       type(store_sorter_t) :: store_sorter
       integer, allocatable :: first(:), cells(:)
       integer :: length
@@ -62,7 +62,7 @@ contains
    !! costs more than sorting, because the system clears it page by page.
    pure logical function keeps_length(used, length) result(keeps)
       integer, intent(in) :: used                     !! End of the last range
-      integer, intent(in) :: length                   !! Of the old arrays
+      integer, intent(in) :: length                   !! Length of the old arrays
 
       keeps = length >= used + used/64 + 64 .and. length <= used + used/24 + 64
    end function keeps_length
@@ -75,7 +75,7 @@ contains
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
       integer, intent(in) :: before(:)                !! (tile + 1) Rows of lower tiles
       integer, intent(in) :: row(:)                   !! Rows grouped by tile
-      integer, intent(in) :: home(:)                  !! (row) Their cells
+      integer, intent(in) :: home(:)                  !! (row) Cells of the rows
       integer, intent(inout) :: source(:)             !! (particle) Old index > 0, row < 0
       integer, intent(inout) :: cells(:)              !! (particle) Cells
       type(tile_sorter_t) :: sorter

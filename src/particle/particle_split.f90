@@ -166,7 +166,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: particle(:) !! Indices
-      integer, allocatable, intent(out) :: edge(:)   !! Their longest edges
+      integer, allocatable, intent(out) :: edge(:)   !! Longest edge of each particle
       integer, allocatable, intent(out) :: new_count(:)   !! (tile) With the halves
       integer, allocatable :: longest(:)
       integer :: tile, p, n
@@ -200,9 +200,8 @@ contains
    end subroutine list_long
 
    !> Edge along which a particle is to be split, 0 = none. A particle is not split outside its
-   !! tile,
-   !! where a half would be outside the domain or close to the axis, or when it has failed. Equation
-   !! (P.1) of doc/theory/splitting.md.
+   !! tile, where a half would be outside the domain or close to the axis, or when it has failed.
+   !! Equation (P.1) of doc/theory/splitting.md.
    pure integer function too_long(splitting, grid, store, p) result(edge)
       type(splitting_t), intent(in) :: splitting
       type(grid_t), intent(in) :: grid
@@ -252,7 +251,7 @@ contains
    !> Mass and volume fractions of the half against the edge and the half along it. Equation (P.4).
    pure function fractions_of_halves(grid, radius, shift) result(share)
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: radius                 !! Of the whole, along x [m]
+      real(wp), intent(in) :: radius                 !! Radius of the whole particle, along x [m]
       real(wp), intent(in) :: shift                  !! Along x, of the half along the edge [m]
       real(wp) :: share(2)
 
@@ -268,7 +267,7 @@ contains
       logical, intent(in) :: flows                   !! Is the material without strength?
       type(store_t), intent(inout) :: store
       integer, intent(in) :: low                     !! The whole; becomes the half against the edge
-      integer, intent(in) :: high                    !! Its copy; becomes the half along the edge
+      integer, intent(in) :: high                    !! Copy that becomes the half along the edge
       integer, intent(in) :: edge
       real(wp), intent(in) :: opening                !! Rate at which it grows [1/s]
       real(wp), intent(out) :: gain !! Kinetic energy not taken from internal energy [J]
@@ -324,14 +323,14 @@ contains
 
    !> Identity of the initial particle that a particle is a part of.
    pure integer(int64) function root_of(identity) result(root)
-      integer(int64), intent(in) :: identity         !! Of a particle
+      integer(int64), intent(in) :: identity         !! Identity of a particle
 
       root = ibits(identity, 0, root_bits)
    end function root_of
 
    !> Number of splits from the initial particle to a particle.
    pure integer function generation_of(identity) result(generation)
-      integer(int64), intent(in) :: identity         !! Of a particle
+      integer(int64), intent(in) :: identity         !! Identity of a particle
 
       generation = max(int(bit_size(identity)) - leadz(identity) - root_bits - 1, 0)
    end function generation_of

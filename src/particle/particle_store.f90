@@ -2,8 +2,7 @@
 !> The particles of one material on one rank, as a structure of arrays.
 !!
 !! Each tile has a range of the arrays (particle_tile_ranges). In a range the particles are sorted
-!! by
-!! cell and within a cell by identity, so no sum depends on the order in which they arrived.
+!! by cell and within a cell by identity, so no sum depends on the order in which they arrived.
 module particle_store
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp

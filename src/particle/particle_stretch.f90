@@ -11,8 +11,7 @@ module particle_stretch
 contains
 
    !> Stretch the particles of a tile by the deformation of a step, if the method requests sizes.
-   !! The
-   !! displacement gradient is that of the whole step, with respect to the positions before it.
+   !! The displacement gradient is that of the whole step, with respect to the positions before it.
    pure subroutine stretch_tile(store, tile, gradient)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
@@ -26,8 +25,7 @@ contains
    end subroutine stretch_tile
 
    !> Stretch boxes (P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628). Equation
-   !! (N.3) of
-   !! doc/theory/node_functions.md.
+   !! (N.3) of doc/theory/node_functions.md.
    pure subroutine stretch_boxes(first, count, gradient, extent)
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile

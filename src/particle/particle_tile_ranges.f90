@@ -105,7 +105,7 @@ contains
       class(tile_ranges_t), intent(inout) :: self
       integer, intent(in) :: new_count(:)             !! (tile)
       integer, allocatable, intent(out) :: first(:)   !! (tile) First particle of the new range
-      integer, intent(out) :: length                  !! Of the arrays
+      integer, intent(out) :: length                  !! Length of the arrays
       integer :: tile
 
       allocate (first(size(new_count)))
@@ -157,7 +157,7 @@ contains
    !> True if `extend` fits into arrays of a given length.
    pure logical function ranges_fit_into(self, length, new_count) result(fits)
       class(tile_ranges_t), intent(in) :: self
-      integer, intent(in) :: length                   !! Of the arrays
+      integer, intent(in) :: length                   !! Length of the arrays
       integer, intent(in) :: new_count(:)             !! (tile)
       integer :: tile, used
 

@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Volume factors of bodies with randomly placed particles: the total volume of a body is exactly
-!! that
-!! of its lattice sites, whatever the number of particles.
+!! that of its lattice sites, whatever the number of particles.
 module particle_volume_factors
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t

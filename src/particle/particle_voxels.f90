@@ -54,7 +54,7 @@ contains
 
    !> Mark a voxel as filled. The mask has eight voxels a character and is zero at first.
    pure subroutine mark_voxel(mask, voxel)
-      character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
+      character(len=:), allocatable, intent(inout) :: mask !! Mask of all voxels
       integer(int64), intent(in) :: voxel                !! From 0, x fastest
       integer(int64) :: letter
 

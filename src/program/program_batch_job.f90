@@ -20,7 +20,7 @@ module program_batch_job
 
    real(wp), parameter :: particles_of_rank = 1.0e6_wp !! reason: doc/developer/scaling.md
    integer, parameter :: usual_threads = 4           !! Threads per rank, if there are enough tiles
-   character(len=*), parameter :: usual_time = "04:00:00" !! Of a job
+   character(len=*), parameter :: usual_time = "04:00:00" !! Usual wall time of a job
    integer, parameter :: usual_notice = 300, least_notice = 60 !! Before the end of a job [s]
    character(len=*), parameter :: newline = new_line("a")
 
@@ -144,7 +144,7 @@ contains
    !> Replace the names in double braces of a template by values. A line with only an empty value is
    !! left out.
    function filled_text(template, job) result(text)
-      character(len=*), intent(in) :: template       !! Of a scheduler
+      character(len=*), intent(in) :: template       !! Template of a scheduler
       type(job_t), intent(in) :: job                 !! Values
       character(len=:), allocatable :: text
       character(len=:), allocatable :: value
@@ -255,7 +255,7 @@ contains
    !> The command that continues a run that was stopped with a checkpoint: the command line, with
    !! --restart in place of one that may name an older file.
    function resume_command(ranks) result(text)
-      integer, intent(in) :: ranks                   !! Of the run
+      integer, intent(in) :: ranks                   !! Number of ranks of the run
       character(len=:), allocatable :: text
       character(len=16) :: digits
       integer :: n

@@ -171,7 +171,7 @@ contains
 
    !> Greatest speed of a wall [m/s].
    pure real(wp) function wall_speed(motion) result(speed)
-      type(motion_t), intent(in) :: motion           !! How it moves
+      type(motion_t), intent(in) :: motion           !! Motion of the material
 
       speed = norm2(motion%steady)
       if (allocated(motion%speed)) speed = speed + maxval(norm2(motion%speed, dim=1))

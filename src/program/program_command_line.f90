@@ -36,7 +36,7 @@ module program_command_line
    type :: job_options_t
       character(len=:), allocatable :: scheduler         !! One of `schedulers`
       integer :: ranks = 0                               !! 0 = chosen by the program
-      integer :: threads = 0                             !! Of each rank, 0 = chosen
+      integer :: threads = 0 !! Number of threads of each rank, 0 = chosen by the program
       character(len=:), allocatable :: time              !! Wall time, hours:minutes:seconds
    end type job_options_t
 

@@ -45,7 +45,7 @@ contains
    !> List the examples: folders with a scene.
    subroutine list_examples(folder, names, error)
       character(len=*), intent(in) :: folder         !! Folder of the examples
-      type(text_t), allocatable, intent(out) :: names(:) !! In alphabetical order
+      type(text_t), allocatable, intent(out) :: names(:) !! Names in alphabetical order
       type(error_t), allocatable, intent(out) :: error !! The folder cannot be read
       character(len=longest_name), allocatable :: entries(:)
       integer :: n
@@ -204,7 +204,7 @@ contains
    pure function replaced(text, old, new) result(changed)
       character(len=*), intent(in) :: text           !! Text
       character(len=*), intent(in) :: old            !! Word to replace
-      character(len=*), intent(in) :: new            !! Its replacement
+      character(len=*), intent(in) :: new            !! Word that replaces it
       character(len=:), allocatable :: changed
       integer :: first, from
 

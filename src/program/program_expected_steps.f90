@@ -211,7 +211,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
       type(flight_t), intent(inout) :: flight        !! Changed
-      type(meeting_t), intent(in) :: meeting         !! Of the two
+      type(meeting_t), intent(in) :: meeting         !! Meeting of the two bodies
       integer, intent(in) :: one                     !! Body
       integer, intent(in) :: other                   !! Body
       real(wp) :: mass(2)
@@ -230,7 +230,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
       type(flight_t), intent(in) :: flight           !! First meetings
-      type(meeting_t), intent(in) :: meeting         !! Of the two
+      type(meeting_t), intent(in) :: meeting         !! Meeting of the two bodies
       integer, intent(in) :: one                     !! Body
       integer, intent(in) :: other                   !! Body
       real(wp), intent(in) :: time_end               !! [s]

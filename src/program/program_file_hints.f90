@@ -17,7 +17,7 @@ contains
    !! rank there are none: it writes without MPI. Collective.
    subroutine set_file_hints(setup, folder, note)
       class(run_setup_t), intent(inout) :: setup     !! Complete, without particles
-      character(len=*), intent(in) :: folder         !! Of the results; exists
+      character(len=*), intent(in) :: folder         !! Existing folder of the results
       character(len=:), allocatable, intent(out) :: note !! Line for the log
       character(len=:), allocatable :: file_system
       type(hints_t) :: hints

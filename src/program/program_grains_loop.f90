@@ -39,8 +39,8 @@ module program_grains_loop
       type(grains_output_t) :: output
       type(checkpoint_place_t) :: place
       character(len=:), allocatable :: reason        !! Reason of the end
-      character(len=:), allocatable :: note          !! Of a restart, for the log
-      integer(int64) :: first_step = 0               !! Of this process
+      character(len=:), allocatable :: note          !! Note about a restart, for the log
+      integer(int64) :: first_step = 0               !! First step of this process
       real(wp) :: steps_wall = 0.0_wp                !! Wall time of the steps [s]
       real(wp) :: last_line = 0.0_wp                 !! Wall time of the last progress line [s]
       real(wp) :: last_checkpoint = 0.0_wp           !! ... of the last checkpoint [s]
@@ -77,9 +77,9 @@ contains
       end associate
    end subroutine enter_stage
 
-   !> Drive, friction and servo of the present stage. The servo follows a little faster than a wave
-   !! crosses the cell as it was at the start of the stage, so that a restart has the same rate, and
-   !! a fraction of the shear.
+   !> Set velocity gradient, friction and servo of the current stage. The servo rate depends on the
+   !! height of the cell at the start of the stage, not on its current height, so that a restart has
+   !! the same rate.
    subroutine set_stage(run)
       type(grains_run_t), intent(inout) :: run
       real(wp) :: speed, modulus

@@ -40,7 +40,7 @@ contains
    !> Start the clocks. Collective.
    subroutine loop_clock_start(self, simulation, limits, log, error)
       class(loop_clock_t), intent(out) :: self
-      type(simulation_t), intent(in) :: simulation   !! In its first state
+      type(simulation_t), intent(in) :: simulation   !! In its initial state
       type(limits_t), intent(in) :: limits           !! Wall time and intervals
       type(log_t), intent(inout) :: log              !! Gets a warning outside of Slurm
       type(error_t), allocatable, intent(out) :: error !! The end of the job is not known

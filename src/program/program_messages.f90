@@ -302,7 +302,7 @@ contains
    !> One field of a message: its name and its words.
    subroutine add_field(field, code, buffer)
       character(len=*), intent(in) :: field         !! NAME: words
-      character(len=*), intent(in) :: code          !! Of the message
+      character(len=*), intent(in) :: code          !! Code of the message
       type(buffer_t), intent(inout) :: buffer       !! Gets the lines
       character(len=:), allocatable :: name, words
       integer :: colon

@@ -70,8 +70,8 @@ contains
    !! to waiting; a much higher ratio means that other programs use the cores; the estimate is then
    !! for an idle machine.
    pure real(wp) function wall_time_ratio(wall, processor, threads) result(share)
-      real(wp), intent(in) :: wall                   !! Of the first steps [s]
-      real(wp), intent(in) :: processor              !! The same of all threads [s]
+      real(wp), intent(in) :: wall                   !! Wall time of the first steps [s]
+      real(wp), intent(in) :: processor              !! Processor time of all threads [s]
       integer, intent(in) :: threads                 !! Number of threads
       real(wp), parameter :: most = 1.5_wp           ! times the ratio without waiting
 
@@ -83,8 +83,8 @@ contains
    !> Extrapolate processor time and steps from the first steps to the whole run.
    subroutine extrapolate_costs(setup, trial, seconds, steps, basis)
       class(run_setup_t), intent(in) :: setup
-      type(trial_t), intent(in) :: trial             !! Its first steps
-      real(wp), intent(inout) :: seconds             !! Of the first steps in, of the run out [s]
+      type(trial_t), intent(in) :: trial             !! First steps of the run
+      real(wp), intent(inout) :: seconds !! Time of the first steps in, of the run out [s]
       real(wp), intent(inout) :: steps               !! Number of steps, scaled too
       character(len=:), allocatable, intent(out) :: basis !! Basis of the estimate, for the user
       type(trial_t) :: copy
@@ -128,7 +128,7 @@ contains
    !! cells wide. If the ratio of the first steps differs from this, it is used instead.
    pure real(wp) function steps_left(setup, trial, copy, coarser) result(steps)
       class(run_setup_t), intent(in) :: setup
-      type(trial_t), intent(in) :: trial             !! Its first steps
+      type(trial_t), intent(in) :: trial             !! First steps of the run
       type(trial_t), intent(in) :: copy
       integer, intent(in) :: coarser                 !! Ratio of cell sizes
       integer, parameter :: countable = 20           ! fewer steps give no ratio
@@ -148,7 +148,7 @@ contains
    !> Ratio of cell sizes for which the copy runs about `copy_seconds`. If possible an integer
    !! number of its cells fits the grid.
    pure integer function cell_size_ratio(grid, seconds) result(coarser)
-      type(grid_t), intent(in) :: grid               !! Of the run
+      type(grid_t), intent(in) :: grid               !! Grid of the run
       real(wp), intent(in) :: seconds                !! Linear estimate of the time of the run [s]
       integer :: target, trial, side
 
@@ -168,7 +168,7 @@ contains
    subroutine run_copy(setup, coarser, trial, copy, found)
       class(run_setup_t), intent(in) :: setup
       integer, intent(in) :: coarser                 !! Ratio of cell sizes
-      type(trial_t), intent(in) :: trial             !! Its first steps
+      type(trial_t), intent(in) :: trial             !! First steps of the run
       type(trial_t), intent(out) :: copy             !! Costs of the copy from the same times on
       logical, intent(out) :: found                  !! Did it run long enough?
       type(run_setup_t) :: small

@@ -179,7 +179,7 @@ contains
    function row(test, scene, outcome, words, seconds) result(text)
       type(self_test_t), intent(inout) :: test
       character(len=*), intent(in) :: scene          !! One of scene_names
-      type(outcome_t), intent(in) :: outcome         !! Of the run from its start
+      type(outcome_t), intent(in) :: outcome         !! Outcome of the run from its start
       character(len=*), intent(in) :: words(:)       !! Results of the other checks
       real(wp), intent(in) :: seconds                !! Wall time of all runs of the scene [s]
       character(len=:), allocatable :: text
@@ -229,7 +229,7 @@ contains
       text = what//": "//trim(one)//" instead of "//trim(other)
    end function compared
 
-   !> Count a check and keep what failed.
+   !> Count a check, and record it if it failed.
    subroutine self_test_check(self, what, passed, word)
       class(self_test_t), intent(inout) :: self
       character(len=*), intent(in) :: what           !! For the list of failures
@@ -278,7 +278,7 @@ contains
    pure function arguments_of(test, scene, run, checkpoint) result(arguments)
       type(self_test_t), intent(in) :: test
       character(len=*), intent(in) :: scene          !! One of scene_names
-      character(len=*), intent(in) :: run            !! Its output folder
+      character(len=*), intent(in) :: run            !! Output folder of the run
       character(len=*), intent(in) :: checkpoint     !! Where it begins; empty: at the start
       type(text_t), allocatable :: arguments(:)
 

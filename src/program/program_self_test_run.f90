@@ -27,10 +27,10 @@ module program_self_test_run
 
    !> What a run gave.
    type :: outcome_t
-      character(len=16) :: digest = ""               !! Of the state at the end
-      character(len=16) :: halfway = ""              !! Of the state at the checkpoint
-      character(len=16) :: stored = ""               !! Of the checkpoint, from its file
-      character(len=:), allocatable :: checkpoint    !! Its path
+      character(len=16) :: digest = ""               !! Digest of the state at the end
+      character(len=16) :: halfway = ""              !! Digest of the state at the checkpoint
+      character(len=16) :: stored = ""               !! Digest in the file of the checkpoint
+      character(len=:), allocatable :: checkpoint    !! Path of the checkpoint
       logical :: same_snapshot = .false.  !! Has the last snapshot the positions in memory?
       integer(int64) :: steps = 0                    !! Steps from the start of the scene
       integer(int64) :: particles = 0                !! At the end, on all ranks
@@ -43,7 +43,7 @@ contains
    !! Nothing is printed. Collective.
    subroutine run_scene(arguments, threads, outcome, error)
       type(text_t), intent(in) :: arguments(:)       !! As on the command line of scree
-      integer, intent(in) :: threads                 !! Of a rank
+      integer, intent(in) :: threads                 !! Number of threads of a rank
       type(outcome_t), intent(out) :: outcome
       type(error_t), allocatable, intent(out) :: error !! The run failed
       type(session_t), allocatable :: session
@@ -107,7 +107,7 @@ contains
    !> Digest, balance and last snapshot of a run at its end. Collective.
    subroutine measure(session, outcome, error)
       type(session_t), intent(inout) :: session      !! At its end
-      type(outcome_t), intent(inout) :: outcome      !! Gets them
+      type(outcome_t), intent(inout) :: outcome      !! Gets the digests
       type(error_t), allocatable, intent(out) :: error !! The snapshot cannot be read
       integer(int64) :: counts(1)
       integer :: index

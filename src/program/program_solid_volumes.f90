@@ -22,7 +22,7 @@ contains
    function solid_volumes_text(grid, bodies, particles) result(text)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
-      integer(int64), intent(in) :: particles(:)     !! (body) Their particles
+      integer(int64), intent(in) :: particles(:)     !! (body) Number of particles
       character(len=:), allocatable :: text
       character(len=:), allocatable :: what
       real(wp) :: volume, filled
@@ -49,7 +49,7 @@ contains
    function listed_particles_text(grid, body, particles) result(text)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
-      integer(int64), intent(in) :: particles        !! Its particles
+      integer(int64), intent(in) :: particles        !! Number of particles
       character(len=:), allocatable :: text
 
       text = ""

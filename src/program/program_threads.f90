@@ -55,7 +55,7 @@ contains
    !> Have threads release their cores at once when they wait, for runs with more threads than
    !! cores.
    subroutine sleep_when_waiting(arguments)
-      type(text_t), intent(in) :: arguments(:)       !! Of the command line
+      type(text_t), intent(in) :: arguments(:)       !! Arguments of the command line
 
       if (is_set("OMP_WAIT_POLICY")) return
       call set_default("OMP_WAIT_POLICY", "passive")
@@ -65,7 +65,7 @@ contains
    !> Restart the program, so that the OpenMP library reads the environment again. Returns only if
    !! that is not possible.
    subroutine restart_with_environment(arguments)
-      type(text_t), intent(in) :: arguments(:)       !! Of the command line
+      type(text_t), intent(in) :: arguments(:)       !! Arguments of the command line
       character(len=:), allocatable :: name
       integer :: length
 

@@ -50,7 +50,7 @@ contains
    !! Collective.
    subroutine time_loop_begin(self, simulation, outputs, limits, log, error)
       class(time_loop_t), intent(out) :: self
-      type(simulation_t), intent(inout) :: simulation !! In its first state
+      type(simulation_t), intent(inout) :: simulation !! In its initial state
       type(outputs_t), intent(inout) :: outputs      !! Open streams
       type(limits_t), intent(in) :: limits           !! When to stop
       type(log_t), intent(inout) :: log              !! Gets progress
@@ -148,7 +148,7 @@ contains
    subroutine time_loop_checkpoint(self, simulation, outputs, place, log, error)
       class(time_loop_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
-      type(outputs_t), intent(in) :: outputs         !! Their counters are part of it
+      type(outputs_t), intent(in) :: outputs         !! Their counters are part of the checkpoint
       type(checkpoint_place_t), intent(inout) :: place !! Folder and numbers of checkpoints
       type(log_t), intent(inout) :: log              !! Gets its name
       type(error_t), allocatable, intent(out) :: error !! Not written; older ones are unchanged

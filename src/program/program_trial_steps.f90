@@ -21,7 +21,7 @@ module program_trial_steps
    !> Cost of a run from its start to a time.
    type :: mark_t
       real(wp) :: time = 0.0_wp                      !! [s]
-      real(wp) :: processor = 0.0_wp                 !! Of all threads since the start [s]
+      real(wp) :: processor = 0.0_wp !! Processor time of all threads since the start [s]
       real(wp) :: wall = 0.0_wp                      !! Wall time since then [s]
       integer :: steps = 0                           !! Steps done
    end type mark_t
@@ -30,7 +30,7 @@ module program_trial_steps
    type :: trial_t
       type(mark_t) :: first                          !! After the warm steps, or at the time `from`
       type(mark_t) :: middle                         !! At the time `to`
-      type(mark_t) :: clocked                        !! Then, or after the least processor time
+      type(mark_t) :: clocked                        !! At `to` or later, after least time
       type(mark_t) :: last                           !! At the end of the trial
       logical :: whole = .false.                     !! Did the trial reach the end of the run?
    end type trial_t
@@ -40,10 +40,10 @@ contains
    !> Run steps to the end of the run or of the allowed wall time. Costs are processor time, which
    !! other programs on the machine hardly change.
    subroutine run_trial(simulation, limits, patience, trial, from, to)
-      type(simulation_t), intent(inout) :: simulation !! In its first state, which is lost
+      type(simulation_t), intent(inout) :: simulation !! In its initial state, which is lost
       type(limits_t), intent(in) :: limits           !! End of the run
       real(wp), intent(in) :: patience               !! Allowed wall time [s]
-      type(trial_t), intent(out) :: trial            !! Their costs
+      type(trial_t), intent(out) :: trial            !! Costs of the steps
       real(wp), intent(in), optional :: from         !! Time of the first mark [s]
       real(wp), intent(in), optional :: to           !! Time of the middle one [s]
       type(error_t), allocatable :: error

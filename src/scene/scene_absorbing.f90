@@ -22,7 +22,7 @@ contains
    subroutine read_absorbing(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read
-      type(body_t), intent(in) :: bodies(:)          !! Its bodies
+      type(body_t), intent(in) :: bodies(:)          !! Bodies of the scene
       integer :: n, face, refused
 
       if (.not. allocated(simulation%space%boundary%wall)) return
@@ -44,7 +44,7 @@ contains
    !! (R.6) and (R.7) of doc/theory/rigid.md.
    subroutine set_dashpots(simulation, bodies, face, absorbing, refused)
       type(simulation_t), intent(in) :: simulation
-      type(body_t), intent(in) :: bodies(:)          !! Its bodies
+      type(body_t), intent(in) :: bodies(:)          !! Bodies of the scene
       integer, intent(in) :: face                    !! 1 to 6
       type(boundary_absorbing_t), intent(inout) :: absorbing !! Receives them
       integer, intent(out) :: refused                !! Material without a wave speed, 0 = none
@@ -124,7 +124,7 @@ contains
       allocate (beyond(0:last(1), 0:last(2), 0:last(3)), source=0)
       allocate (beside(0:max(last(1) - 1, 0), 0:max(last(2) - 1, 0), 0:max(last(3) - 1, 0)), &
          source=0)
-      ! of bodies that overlap the later one counts
+      ! where bodies overlap, the later one counts
       do n = 1, size(bodies)
          call find_beside(grid, bodies(n), face, beside)
       end do

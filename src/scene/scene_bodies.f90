@@ -207,7 +207,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
       type(group_t), intent(in) :: group             !! The &body
-      type(named_shape_t), intent(in) :: shape       !! Its region
+      type(named_shape_t), intent(in) :: shape       !! Shape of the region
       type(body_t), intent(inout) :: body            !! Gets its particles
       character(len=:), allocatable :: packing, stress
       type(traits_t) :: traits
@@ -236,7 +236,7 @@ contains
    subroutine read_energy(deck, group, material, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &body
-      type(material_t), intent(in) :: material       !! Its material
+      type(material_t), intent(in) :: material       !! Material of the body
       type(body_t), intent(inout) :: body            !! Gets the energy
 
       call group%get("specific_energy", body%energy)

@@ -22,7 +22,7 @@ module scene_body_placement
    !! [1]
    real(wp), parameter :: fast = 0.5_wp
    real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
-   real(wp), parameter :: round_off = 1.0e-9_wp      !! Of lengths, in cells
+   real(wp), parameter :: round_off = 1.0e-9_wp      !! Rounding error of lengths [cells]
 
 contains
 
@@ -79,7 +79,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: bodies(:)
-      type(survey_t), intent(in) :: survey           !! Their points
+      type(survey_t), intent(in) :: survey           !! Particles of the bodies
       integer :: n, other, pairs
 
       do n = 1, size(bodies)
@@ -130,12 +130,12 @@ contains
       end do
    end subroutine check_elastic
 
-   !> Say why a body holds no point.
+   !> Report why a body has no particle.
    subroutine refuse_empty(deck, grid, body, place)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
-      integer, intent(in) :: place                   !! Its number in the deck
+      integer, intent(in) :: place                   !! Number of the body in the deck
       real(wp) :: low(3), high(3)
 
       call body%shape%bounds(low, high)
@@ -154,7 +154,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body
-      integer, intent(in) :: place                   !! Its number in the deck
+      integer, intent(in) :: place                   !! Number of the body in the deck
       real(wp) :: low(3), high(3)
       integer :: inside, outside, k
 
@@ -217,7 +217,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body
-      integer, intent(in) :: place                   !! Its number in the deck
+      integer, intent(in) :: place                   !! Number of the body in the deck
       real(wp) :: low(3), high(3), cells
       logical :: first, last
       integer :: k

@@ -138,7 +138,7 @@ contains
    subroutine check_type(deck, boundary, condition)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
-      class(boundary_condition_t), intent(in) :: condition !! Its type
+      class(boundary_condition_t), intent(in) :: condition !! Condition by its type
       character(len=:), allocatable :: fitting
       real(wp) :: velocity(3)
       logical :: part, suits
@@ -233,7 +233,7 @@ contains
    subroutine check_pair(deck, boundary, face, periodic)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
-      character(len=*), intent(in) :: face               !! Its face
+      character(len=*), intent(in) :: face               !! Face of the boundary
       logical, intent(in) :: periodic(6)                 !! (face) Is it periodic?
       integer :: k, partner
 
@@ -346,7 +346,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(named_shape_t), intent(in) :: shapes(:)
       type(group_t), intent(in) :: group             !! The &boundary
-      type(wall_t), intent(out) :: wall              !! Its boundary is not set
+      type(wall_t), intent(out) :: wall              !! The wall; its boundary is not set
       character(len=:), allocatable :: kind, region
       integer :: index
 
@@ -396,7 +396,7 @@ contains
    subroutine set_motion(deck, index, motion, simulation)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: index                   !! Number of the &boundary
-      type(motion_t), intent(in) :: motion           !! Its motion
+      type(motion_t), intent(in) :: motion           !! Motion of the wall
       type(simulation_t), intent(inout) :: simulation
       integer :: face
 

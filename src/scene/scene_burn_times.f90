@@ -116,7 +116,7 @@ contains
    !! detonator, and around obstacles elsewhere.
    subroutine find_times(simulation, index, map)
       type(simulation_t), intent(inout) :: simulation
-      integer, intent(in) :: index                   !! Of the store
+      integer, intent(in) :: index                   !! Index of the store
       type(sight_map_t), intent(in) :: map
       type(detonation_paths_t) :: paths
       integer, allocatable :: behind(:)

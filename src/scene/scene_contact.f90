@@ -120,7 +120,8 @@ contains
       end do
    end subroutine find_parting
 
-   !> Add a second field for the other side of each, after all fields of bodies.
+   !> Add a velocity field for the second side of each body with self-contact, after all fields of
+   !! bodies.
    subroutine pair_sides(simulation, parting)
       type(simulation_t), intent(inout) :: simulation !! Its velocity fields are new
       logical, intent(in) :: parting(:)              !! (field of bodies)
@@ -136,7 +137,8 @@ contains
       end do
    end subroutine pair_sides
 
-   !> Both sides of a field have its laws; between them is the law of a body with itself.
+   !> Both sides of a velocity field have the contact laws of this field with others. Between the
+   !! sides the law of the body with itself applies.
    pure subroutine share_laws(fields, contact)
       type(velocity_field_t), intent(in) :: fields(:)
       type(contact_t), intent(inout) :: contact      !! Laws of the fields of bodies are known
@@ -186,7 +188,7 @@ contains
       end function fails
    end subroutine refuse_parting
 
-   !> Refuse methods whose sums have only one velocity of a body at a node.
+   !> Refuse methods that allow only one velocity of a body at a node.
    subroutine refuse_method(deck, group, simulation, bonded)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &contact
@@ -305,7 +307,7 @@ contains
       !> Set the law of two fields, in both orders, unless another group of the same precedence did.
       subroutine set_law(a, b, index)
          integer, intent(in) :: a, b                 !! Indices of two velocity fields
-         integer, intent(in) :: index                !! Of the group
+         integer, intent(in) :: index                !! Index of the group
          type(group_t) :: earlier
          type(text_t), allocatable :: before(:)
 
@@ -350,7 +352,7 @@ contains
       wild = merge(1, 0, names(1)%text == any_body) + merge(1, 0, names(2)%text == any_body)
    end function wild_cards
 
-   !> Place of a body, 0 = any.
+   !> Index of a body, 0 = any.
    pure integer function place_of(name, bodies) result(place)
       character(len=*), intent(in) :: name           !! Or '*'
       type(body_t), intent(in) :: bodies(:)
@@ -363,7 +365,7 @@ contains
    !> The law of a group.
    subroutine read_law(group, law)
       type(group_t), intent(in) :: group             !! &contact
-      type(pair_law_t), intent(out) :: law           !! From the deck
+      type(pair_law_t), intent(out) :: law           !! Contact law from the deck
       character(len=:), allocatable :: word
 
       call group%get("law", word)
@@ -388,7 +390,7 @@ contains
       end if
    end subroutine check_pair
 
-   !> Let the particles of fields with a bond carry it.
+   !> Allocate the bond state of the particles whose velocity fields have a bond.
    subroutine bond_stores(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run with contact; empty stores
       integer :: field, index

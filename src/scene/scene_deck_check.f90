@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Checks of a deck that compare keys with each other. `program_run_setup` calls it after reading
-!! the
-!! deck and before `scene_setup`.
+!! the deck and before `scene_setup`.
 module scene_deck_check
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp

@@ -113,7 +113,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &detonation
       type(grid_t), intent(in) :: grid
-      type(detonator_t), intent(out) :: detonator    !! Its speed is 0 if none is given
+      type(detonator_t), intent(out) :: detonator    !! Detonator; its speed is 0 if none is given
       character(len=:), allocatable :: word
 
       call group%get("shape", word)

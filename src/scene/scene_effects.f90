@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The group &effects: its keys that do not belong to materials, gravity, and the list of effects
-!! and
-!! models of a simulation with their reasons: named by the deck, or by default.
+!! and models of a simulation with their reasons: named by the deck, or by default.
 module scene_effects
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -70,7 +69,7 @@ contains
    !> Read gravity, if it acts. Collective.
    subroutine read_gravity(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Gets it; its grid is read
+      type(simulation_t), intent(inout) :: simulation !! Gets the effect; its grid is read
       type(group_t) :: group
       logical :: acts
       integer :: k
@@ -122,10 +121,11 @@ contains
          new_line("a")
    end function effects_text
 
-   !> Names of the effects that are on, and that the deck names or does not name.
+   !> Names of the effects that are on: either those that the deck gives, or those that are on by
+   !! default.
    function switches_on(group, named) result(text)
       type(group_t), intent(in) :: group             !! &effects
-      logical, intent(in) :: named                   !! By the deck?
+      logical, intent(in) :: named                   !! Only effects that the deck gives?
       character(len=:), allocatable :: text
       logical :: on
       integer :: n

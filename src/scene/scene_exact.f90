@@ -108,7 +108,7 @@ contains
    subroutine read_solution(deck, group, name, place, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &exact
-      character(len=*), intent(in) :: name           !! Of the solution
+      character(len=*), intent(in) :: name           !! Name of the solution
       integer, intent(in) :: place                   !! Number of the material
       type(simulation_t), intent(inout) :: simulation !! Gets the solution
       class(exact_t), allocatable :: solution

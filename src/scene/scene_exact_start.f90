@@ -126,7 +126,7 @@ contains
       call solution%gradient(point, 0.0_wp, now)
       after = (after - before)/dt
       now = inverse(now)
-      ! of variables, so that it is compiled here: the product of the library of the compiler has
+      ! arguments that are variables make gfortran inline the product: matmul of its library has
       ! other last bits on other processors
       product = matmul(after, now)
       slopes = reshape(product, [9])

@@ -55,7 +55,7 @@ contains
    subroutine examine_surface(deck, group, facets)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(group_t), intent(in) :: group
-      type(facets_t), intent(in) :: facets           !! Its shape
+      type(facets_t), intent(in) :: facets           !! Shape of the facets
       integer :: open_edges, turned_edges, crowded_edges, flat
 
       call facets%faults(open_edges, turned_edges, crowded_edges, flat)

@@ -13,7 +13,7 @@ contains
    !> Path of a file that a key names, relative to the file of the deck that holds the key.
    function path_in_deck(group, key) result(path)
       type(group_t), intent(in) :: group
-      character(len=*), intent(in) :: key            !! Its key
+      character(len=*), intent(in) :: key            !! Key that names the file
       character(len=:), allocatable :: path
       character(len=:), allocatable :: name
 

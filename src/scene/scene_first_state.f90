@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> First state of a simulation: particles of all bodies and the first time step. `program_main`
-!! calls
-!! it after `scene_setup` and before `program_time_loop`, where no checkpoint is read.
+!! calls it after `scene_setup` and before `program_time_loop`, where no checkpoint is read.
 module scene_first_state
    use base_error, only: error_t
    use particle_fill, only: body_t

@@ -178,7 +178,7 @@ contains
    !> Enlarge the cells, and the grid by less than one of them to an integer number.
    pure subroutine coarsen(grid, coarser)
       type(grid_t), intent(inout) :: grid            !! Corners, spacing and dimensions are set
-      integer, intent(in) :: coarser                 !! How many times as large
+      integer, intent(in) :: coarser                 !! Factor of the cell size
       real(wp), parameter :: grain = 1.0e-6_wp       ! rounding of a number of cells
       integer :: direction
 

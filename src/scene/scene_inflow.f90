@@ -299,7 +299,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: body
       type(inflow_t), intent(inout) :: inflow        !! Gets plane and length
-      real(wp), intent(out) :: mass                  !! Of the body [kg]
+      real(wp), intent(out) :: mass                  !! Mass of the body [kg]
       real(wp), parameter :: alike = 1.0e-6_wp, shortest = 3.0_wp
       type(exact_sum_t), allocatable :: sums(:)
       real(wp), allocatable :: layers(:), masses(:)

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Stress of bodies at rest under their weight (`initial_stress = 'lithostatic'`).
 !!
-!! Along gravity the stress is the weight of the material above, down to a gap; across it a fraction
-!! of that. Material whose pressure follows from its density has the density of its pressure: its
-!! particles keep their positions and volumes and become heavier.
+!! Along gravity the stress is the weight of the material above, up to the first gap; the lateral
+!! stress is a fraction of it. Where the pressure is a function of the density, particles get the
+!! density of their pressure: they keep positions and volumes and become heavier.
 module scene_lithostatic
    use base_constants, only: xx, xy, xz, yy, yz, zz
    use base_deck, only: deck_t, group_t
@@ -120,9 +120,9 @@ contains
       if (allocated(material%eos)) call press(bodies, material, pressure, first, store)
    end subroutine weigh_tile
 
-   !> Mass of the column above a place, a square metre wide, up to the first gap [kg/m2]. Bodies
-   !! without initial stress do not count: they are not yet at rest. Bisection finds the interface
-   !! between two bodies.
+   !> Mass per area of the column above a position, up to the first gap [kg/m2]. Bodies without
+   !! initial stress do not count: they are not yet at rest. Bisection finds the interface between
+   !! two bodies.
    pure real(wp) function mass_above(grid, bodies, own, place, up) result(mass)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
@@ -210,7 +210,7 @@ contains
 
       !> Pressure of undeformed material of some density.
       subroutine find(share, value)
-         real(wp), intent(in) :: share(:)            !! Of the density without stress [1]
+         real(wp), intent(in) :: share(:)            !! Fraction of the density without stress [1]
          real(wp), intent(out) :: value(:)           !! [Pa]
          integer :: p, body
 

@@ -148,11 +148,11 @@ contains
       end do
    end subroutine read_stress
 
-   !> The table of time.
+   !> Read the table of the time factor.
    subroutine read_course(deck, group, load)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &load
-      type(surface_load_t), intent(inout) :: load            !! Gets it
+      type(surface_load_t), intent(inout) :: load            !! Gets its time factor
       type(motion_t) :: course
       real(wp), allocatable :: factors(:)
       integer :: n

@@ -114,9 +114,9 @@ contains
    subroutine read_method(method, deck, stored, gases, some_gas)
       type(method_t), intent(inout) :: method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: stored                  !! Does all material give back all work?
+      logical, intent(in) :: stored                  !! Do all materials store work reversibly?
       logical, intent(in) :: gases                   !! Is all material a gas?
-      logical, intent(in) :: some_gas                !! Is some, or an explosive?
+      logical, intent(in) :: some_gas                !! Is some material a gas or an explosive?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
@@ -193,8 +193,8 @@ contains
       method%leapfrog = .not. paper
    end subroutine read_dual
 
-   !> Refuse quadratures without hoop stress: the stress that they subtract from the particles would
-   !! be restored without it.
+   !> Refuse rules without hoop stress in an axisymmetric scene: they would subtract a stress from
+   !! the particles and restore it without its hoop component.
    subroutine refuse_axis(deck, group, quadrature)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group             !! &method

@@ -20,7 +20,7 @@ contains
    !! incompatible keys.
    subroutine set_method_defaults(deck, stored, gases, some_gas)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: stored                  !! Does all material give back all work?
+      logical, intent(in) :: stored                  !! Do all materials store work reversibly?
       logical, intent(in) :: gases                   !! Is all material a gas?
       logical, intent(in) :: some_gas                !! Is some, or an explosive?
 
@@ -68,7 +68,7 @@ contains
 
    !> In contact, elastic bodies are strained with the velocities of their particles (musl):
    !! straining with the node velocities dissipates 3 to 5 % of their energy in a collision.
-   !! Transfers that filter the velocities dissipate more with it. Equation (C.8) of
+   !! Transfers that filter the velocities dissipate more with musl. Equation (C.8) of
    !! doc/theory/contact.md.
    subroutine set_contact_default(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default

@@ -32,7 +32,7 @@ module scene_particles
 
    !> Counts of particles that the bodies will have, found before particles exist.
    type :: survey_t
-      integer(int64) :: particles = 0                !! In all bodies
+      integer(int64) :: particles = 0                !! Number of particles in all bodies
       integer(int64) :: tiles = 0                    !! Tiles with particles, on all ranks
       integer(int64), allocatable :: body(:)         !! (body) Particles
       !> (tile) Tiles with particles that this rank has counted, ascending. They can be anywhere in
@@ -330,7 +330,7 @@ contains
    !> Index of the body of a particle.
    pure integer function body_of(bodies, identity) result(body)
       type(body_t), intent(in) :: bodies(:)
-      integer(int64), intent(in) :: identity         !! Of the particle
+      integer(int64), intent(in) :: identity         !! Identity of the particle
       integer :: last, middle
 
       body = 1
@@ -367,7 +367,7 @@ contains
    subroutine count_tiles(simulation, key, particles)
       type(simulation_t), intent(in) :: simulation
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
-      integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
+      integer(int64), allocatable, intent(out) :: particles(:) !! (tile) Number of particles
       integer(int64), allocatable :: run(:, :)
       integer, allocatable :: order(:)
       integer :: n, filled

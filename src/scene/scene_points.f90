@@ -34,7 +34,7 @@ module scene_points
       type(point_list_t) :: list                     !! Lengths, velocities and volumes in SI
       character(len=:), allocatable :: path
       character(len=:), allocatable :: body          !! Body whose rows are used, or empty
-      logical :: snapshot = .false.                  !! Is it one of another run?
+      logical :: snapshot = .false.                  !! Is the file a snapshot of another run?
       type(placing_t) :: placing                     !! Where the list has been moved to
    end type point_region_t
 
@@ -92,7 +92,7 @@ contains
 
    !> Convert the numbers of a text from the units of the deck to SI.
    subroutine to_si(deck, list)
-      type(deck_t), intent(in) :: deck               !! Its system of units
+      type(deck_t), intent(in) :: deck               !! Deck with the system of units
       type(point_list_t), intent(inout) :: list      !! Changed
 
       list%position = factor("m")*list%position
@@ -136,7 +136,7 @@ contains
    subroutine pack_points(deck, grid, boundary, group, points, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(boundary_t), intent(in) :: boundary       !! Faces of the domain
       type(group_t), intent(in) :: group
       type(point_region_t), intent(in) :: points     !! All of them
       type(body_t), intent(inout) :: body            !! Gets its particles
@@ -232,7 +232,7 @@ contains
    subroutine check_positions(deck, grid, boundary, group, points, place)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(boundary_t), intent(in) :: boundary       !! Faces of the domain
       type(group_t), intent(in) :: group
       type(point_region_t), intent(in) :: points
       integer, intent(in) :: place(:)                !! Rows of the body
@@ -263,7 +263,7 @@ contains
                   "widen &grid or move the points with translate", "region")
                return
             end if
-            ! adding 0 makes one zero of the two
+            ! adding 0 turns -0 into 0, so that equal positions have equal keys
             key(n) = 0
             do k = 1, 3
                key(n) = mix(ieor(key(n), transfer(x(k) + 0.0_wp, key(n))))
@@ -284,7 +284,7 @@ contains
    !> A place in the units of the deck.
    function place_text(deck, grid, x) result(text)
       type(deck_t), intent(in) :: deck
-      type(grid_t), intent(in) :: grid               !! Its directions
+      type(grid_t), intent(in) :: grid               !! Grid with its directions
       real(wp), intent(in) :: x(3)                   !! [m]
       character(len=:), allocatable :: text
       type(unit_t) :: length
@@ -324,7 +324,7 @@ contains
    !> True for fields that particles read from a snapshot in addition to position and volume. They
    !! get new identities.
    pure logical function comes_from_file(name, stress) result(yes)
-      character(len=*), intent(in) :: name           !! Of the field
+      character(len=*), intent(in) :: name           !! Name of the field
       logical, intent(in) :: stress                  !! Is the stress requested?
 
       select case (name)
@@ -342,7 +342,7 @@ contains
    subroutine compare_fields(deck, group, material, traits, points, stress)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
-      type(material_t), intent(in) :: material       !! Its material
+      type(material_t), intent(in) :: material       !! Material of the body
       type(traits_t), intent(in) :: traits           !! Particle fields that the method needs
       type(point_region_t), intent(in) :: points
       logical, intent(in) :: stress                  !! Is the stress requested?
@@ -381,7 +381,7 @@ contains
 
       !> True if the method needs a field.
       pure logical function of_method(name) result(yes)
-         character(len=*), intent(in) :: name        !! Of the field
+         character(len=*), intent(in) :: name        !! Name of the field
 
          yes = (name == "extent" .and. traits%extent) .or. (name == "domain" .and. traits%domain) &
             .or. (name == "affine" .and. traits%affine) .or. (name == "spin" .and. traits%spin)

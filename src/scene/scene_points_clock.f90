@@ -38,7 +38,7 @@ contains
    !> Warn of a snapshot whose velocities are of another time than the first step expects.
    subroutine check_clocks(deck, simulation, bodies, shapes)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
-      type(simulation_t), intent(in) :: simulation   !! Its method
+      type(simulation_t), intent(in) :: simulation   !! Read for its method
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
       real(wp), parameter :: little = 1.0e-9_wp
@@ -60,7 +60,7 @@ contains
    !> Twice the time by which the velocities of the bodies are behind their positions, from the
    !! first snapshot; 0 if velocities and positions are of the same time [s].
    pure real(wp) function step_before(simulation, bodies, shapes) result(dt)
-      type(simulation_t), intent(in) :: simulation   !! Its method
+      type(simulation_t), intent(in) :: simulation   !! Read for its method
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
       integer :: n

@@ -26,7 +26,7 @@ module scene_points_fields
       character(len=:), allocatable :: name
       integer :: count = 0                           !! Particles of the body
       integer, allocatable :: particle(:)            !! Selected fields
-      integer(int64), allocatable :: row(:)          !! Their rows in the file, from 1
+      integer(int64), allocatable :: row(:)          !! Rows of the particles in the file, from 1
       integer(int64) :: before = 0                   !! Rows before those below
       real(wp), allocatable :: reals(:, :)           !! (component, row)
       logical :: adds = .false.                      !! True to add to existing values
@@ -96,7 +96,7 @@ contains
       type(point_region_t), intent(in) :: points     !! Position of the file, and its fields
       type(body_t), intent(in) :: body
       type(putter_t), intent(inout) :: putter        !! Maps particles to rows
-      type(error_t), allocatable, intent(out) :: error !! It cannot be read any more
+      type(error_t), allocatable, intent(out) :: error !! If the file cannot be read any more
       type(hdf5_source_t) :: source
       integer :: n, tile
 
@@ -126,7 +126,7 @@ contains
       type(placing_t), intent(in) :: placing         !! Where the points have been moved to
       type(store_t), intent(inout) :: store
       type(putter_t), intent(inout) :: putter        !! Selects the field
-      type(error_t), allocatable, intent(out) :: error !! It cannot be read
+      type(error_t), allocatable, intent(out) :: error !! If the file cannot be read
       type(data_info_t) :: info
       character(len=:), allocatable :: name
       real(wp), allocatable :: numbers(:)

@@ -154,7 +154,7 @@ contains
    !> A tensor in turned coordinates.
    pure function turned(rotation, tensor) result(seen)
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
-      real(wp), intent(in) :: tensor(3, 3)           !! Of any unit
+      real(wp), intent(in) :: tensor(3, 3)           !! Tensor of any unit
       real(wp) :: seen(3, 3)
 
       seen = matmul(rotation, matmul(tensor, transpose(rotation)))

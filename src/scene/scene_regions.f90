@@ -30,9 +30,9 @@ module scene_regions
    type :: named_shape_t
       character(len=:), allocatable :: name          !! Name in the deck
       type(shape_holder_t) :: shape                  !! Position in the deck
-      type(point_region_t), allocatable :: points    !! Its points, if it is a list of them
+      type(point_region_t), allocatable :: points    !! Points, if the region is a list of points
       logical :: ready = .false.                     !! Is the shape built?
-      logical :: in_progress = .false.               !! Is it being built?
+      logical :: in_progress = .false.               !! Is the region being built?
    end type named_shape_t
 
 contains
@@ -337,7 +337,7 @@ contains
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Index of the region
-      type(group_t), intent(in) :: group             !! Its group
+      type(group_t), intent(in) :: group             !! Group of the region
       character(len=*), intent(in) :: word !! Set operation: union, difference, intersection
       type(text_t), allocatable :: names(:)
       type(shape_holder_t), allocatable :: operands(:)

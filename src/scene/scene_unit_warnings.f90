@@ -12,7 +12,7 @@ module scene_unit_warnings
 
    !> A key of &material, its plausible range, and the warnings outside this range.
    type :: usual_t
-      character(len=14) :: key                           !! Of &material
+      character(len=14) :: key                           !! Key of &material
       real(wp) :: least                                  !! [SI]
       real(wp) :: most                                   !! [SI]
       character(len=46) :: light                         !! Warning below the range

@@ -77,7 +77,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run with empty stores
       type(body_t), intent(in) :: bodies(:)          !! The bodies with their first identities
       integer, intent(in) :: body
-      type(formula_t), intent(in) :: formula(3)      !! Of the components
+      type(formula_t), intent(in) :: formula(3)      !! Formulas of the components
       integer(int64), intent(in) :: keys(:)          !! Tiles with particles
       type(error_t), allocatable, intent(out) :: error !! There is one
       character(len=:), allocatable :: fault
@@ -100,7 +100,7 @@ contains
    !> Make formulas of the texts of a body, which the check of the deck has accepted.
    subroutine compile_formula(body, formula)
       type(body_t), intent(in) :: body
-      type(formula_t), intent(out) :: formula(3)     !! Of the components
+      type(formula_t), intent(out) :: formula(3)     !! Formulas of the components
       character(len=:), allocatable :: fault
       integer :: k, place
 
@@ -113,7 +113,7 @@ contains
    subroutine add_to_body(grid, body, formula, store, fault)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
-      type(formula_t), intent(in) :: formula(3)      !! Of the components
+      type(formula_t), intent(in) :: formula(3)      !! Formulas of the components
       type(store_t), intent(inout) :: store          !! The particles of its material
       character(len=:), allocatable, intent(out) :: fault !! Not allocated if all have values
       real(wp) :: point(3), velocity(3), slopes(9)
@@ -142,7 +142,7 @@ contains
 
    !> The velocity at a position; 0 along missing directions.
    subroutine evaluate(formula, active, point, velocity, fault)
-      type(formula_t), intent(in) :: formula(3)      !! Of the components
+      type(formula_t), intent(in) :: formula(3)      !! Formulas of the components
       logical, intent(in) :: active(3)               !! Active directions
       real(wp), intent(in) :: point(3)               !! [m]
       real(wp), intent(out) :: velocity(3)           !! [m/s]
@@ -162,7 +162,7 @@ contains
 
    !> Velocity gradient by differences over half a cell, component (k, l) at k + 3 (l - 1).
    subroutine find_slopes(formula, active, point, reach, slopes, fault)
-      type(formula_t), intent(in) :: formula(3)      !! Of the components
+      type(formula_t), intent(in) :: formula(3)      !! Formulas of the components
       logical, intent(in) :: active(3)               !! Active directions
       real(wp), intent(in) :: point(3)               !! [m]
       real(wp), intent(in) :: reach                  !! To either side [m]

@@ -94,7 +94,8 @@ contains
          cell%work = cell%work + work
          if (simulation%machine%communicator%rank == 0) &
             call simulation%balance%ledger%sums(external_work)%add(work)
-         ! momentum is compared with that of the uniform flow an edge away
+         ! the momentum error is relative to the momentum of the uniform flow at the distance of one
+         ! edge
          simulation%balance%ledger%momentum_scale = max(simulation%balance%ledger%momentum_scale, &
             cell%mass*norm2(cell%box%gradient)*maxval(cell%mesh))
          call cell%steer(simulation%clock%dt_next)

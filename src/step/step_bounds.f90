@@ -38,8 +38,8 @@ module step_bounds
       real(wp) :: strain_max = sqrt(huge(1.0_wp))    !! Greatest dt |grad v| of a step [1]
       real(wp) :: collapse = 0.0_wp                  !! Least step over the longest so far [1]
       real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
-      logical :: dt_free = .true.                    !! May a step be shorter than was chosen?
-      logical :: retire = .false.                    !! Do bad particles go, and the run on?
+      logical :: dt_free = .true.                    !! May a step be shortened?
+      logical :: retire = .false.                    !! Are bad particles removed?
       real(wp) :: retire_max = 0.0_wp !! Greatest fraction of the mass that may be retired [1]
    end type bounds_t
 
@@ -52,7 +52,7 @@ module step_bounds
       integer :: rule = rule_signal                  !! Limit of the next step
       integer(int64) :: steps(rules) = 0             !! Steps that each rule has limited
       real(wp) :: expected = 0.0_wp                  !! Steps of the whole run, as estimated
-      integer :: counted = rule_signal               !! Rule for which the present one was counted
+      integer :: counted = rule_signal               !! Rule by which the current step was counted
    end type guard_t
 
 contains
@@ -62,7 +62,7 @@ contains
    pure real(wp) function count_bad(store, tile, density, bounds) result(bad)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
-      real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
+      real(wp), intent(in) :: density                !! Density of their material at rest [kg/m3]
       type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       integer :: first, last
 
@@ -86,8 +86,8 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
       real(wp), intent(in) :: fastest                !! Square of the greatest speed [m2/s2]
-      real(wp), intent(in) :: least                  !! Volume of a mass [m3/kg]
-      real(wp), intent(in) :: most                   !! The same [m3/kg]
+      real(wp), intent(in) :: least                  !! Least volume per mass [m3/kg]
+      real(wp), intent(in) :: most                   !! Greatest volume per mass [m3/kg]
       real(wp) :: square, load
       integer :: p
 
@@ -125,7 +125,7 @@ contains
    pure subroutine find_fault(store, p, density, bounds, fault, value)
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
-      real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
+      real(wp), intent(in) :: density                !! Density of its material at rest [kg/m3]
       type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       integer, intent(out) :: fault                  !! One of the faults above
       real(wp), intent(out) :: value                 !! Speed, stress or ratio of volumes
@@ -165,16 +165,17 @@ contains
       end if
    end subroutine find_fault
 
-   !> Note the steepest velocity gradient of a tile if it is the steepest so far and may limit the
-   !! next step. Of equal gradients the lowest identity counts, so that the order of tiles has no
-   !! effect. Most tiles have no such gradient; a vectorised count finds these tiles.
+   !> Record the steepest velocity gradient of a tile if it is the steepest so far and may limit the
+   !! next step. Of particles with equal gradients the one with the lowest identity is recorded, so
+   !! that the order of tiles has no effect. Most tiles have no such gradient; a vectorised count
+   !! finds these tiles.
    pure subroutine find_steepest(gradient, identity, dt, matters, steepest, who)
       real(wp), contiguous, intent(in) :: gradient(:, :)    !! (particle, 9) dt du_k/dx_l [1]
       integer(int64), contiguous, intent(in) :: identity(:) !! (particle) Identities
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(in) :: matters                !! Smaller |grad v| do not limit steps [1/s]
       real(wp), intent(inout) :: steepest            !! Square of |grad v| so far [1/s2]
-      integer(int64), intent(inout) :: who           !! Its particle
+      integer(int64), intent(inout) :: who           !! Particle with this gradient
       real(wp), parameter :: rounding = 1.0e-12_wp
       real(wp) :: most, enough
       integer :: p
@@ -230,7 +231,7 @@ contains
    pure real(wp) function limiting_gradient(bounds, growth, dt) result(rate)
       type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       real(wp), intent(in) :: growth                 !! Greatest ratio of two steps [1]
-      real(wp), intent(in) :: dt                     !! Stable step that was [s]
+      real(wp), intent(in) :: dt                     !! Previous stable step [s]
       real(wp), parameter :: rounding = 1.0e-12_wp
 
       rate = 0.0_wp

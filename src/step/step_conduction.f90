@@ -35,7 +35,7 @@ module step_conduction
    integer, parameter :: filled = 3                  !! Row of volume [m3]
    integer, parameter :: hidden = 2                  !! Row of heat that nodes do not resolve [J]
    integer, parameter :: fluxes = 3                  !! Row of flux times volume, by direction
-   !> Rows of a symmetric tensor that hold its first line, and of a full one
+   !> Columns of the first row of a tensor, xx, xy and xz: of a symmetric tensor, and of a full one
    integer, parameter :: first_line(3) = [1, 4, 6], full_line(3) = [1, 4, 7]
    real(wp), parameter :: fade = pi*pi !! Rate of the shortest wave, over diffusivity/spacing**2 [1]
    real(wp), parameter :: fade_most = 0.5_wp         !! Greatest part that fades in a step [1]
@@ -307,7 +307,7 @@ contains
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: values(:, :)    !! (3, node) Temperature in row 1 [K]
-      real(wp), allocatable, intent(in) :: slope(:, :)    !! (9, node) Of the nodes, if dual [K/m]
+      real(wp), allocatable, intent(in) :: slope(:, :)    !! (9, node) Node gradient, if dual [K/m]
       real(wp), contiguous, intent(inout) :: patch(:, :)  !! (column, node)
       real(wp), allocatable :: volume(:), flux(:, :)
       integer :: p, k

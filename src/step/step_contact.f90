@@ -157,7 +157,7 @@ contains
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) Extent of bodies [m]
       real(wp), contiguous, intent(out) :: area(:, :, :) !! (3, a, b) Between two, for a < b [m2]
-      real(wp), contiguous, intent(out) :: normal(:, :, :) !! (3, a, b) Its direction [1]
+      real(wp), contiguous, intent(out) :: normal(:, :, :) !! (3, a, b) Normal vector [1]
       integer, intent(out) :: state(:, :)            !! (a, b) Gap, for a < b
       real(wp) :: gap
       integer :: a, b
@@ -187,7 +187,7 @@ contains
       integer, intent(in) :: pair(2)                 !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) Extent of bodies [m]
       real(wp), intent(out) :: area(3)               !! Common area [m2]
-      real(wp), intent(out) :: normal(3)             !! Its direction [1]
+      real(wp), intent(out) :: normal(3)             !! Normal vector [1]
       real(wp), intent(out) :: gap                   !! Gap; infinite if none is found [m]
       real(wp) :: trial(3), direction(3), wide, one, other
       integer :: guess
@@ -231,7 +231,7 @@ contains
       integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: who(:)                  !! Indices of the velocity fields
       real(wp), intent(in) :: mass(:)                !! (field) Masses [kg]
-      real(wp), intent(in) :: push(:, :, :)          !! (3, a, b) On b, for a < b [kg m/s]
+      real(wp), intent(in) :: push(:, :, :)          !! (3, a, b) Impulse on b, for a < b [kg m/s]
       real(wp), intent(in) :: dt                     !! Duration [s]
       real(wp) :: total(3), lost
       integer :: a, b

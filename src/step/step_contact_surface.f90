@@ -194,16 +194,16 @@ contains
       end associate
    end subroutine area_of_side
 
-   !> Velocity field of the first side of a field with two.
+   !> The first of the two velocity fields of a body with two sides.
    pure integer function first_side(fields, field) result(first)
       type(velocity_field_t), intent(in) :: fields(:)
-      integer, intent(in) :: field                   !! Index of the velocity field of one side
+      integer, intent(in) :: field                   !! Index of either of them
 
       first = field
       if (.not. allocated(fields(field)%sides)) first = fields(field)%other
    end function first_side
 
-   !> Side of a velocity field with two sides: 0 or 1.
+   !> Side of a body that a velocity field belongs to: 0 for the first, 1 for the second.
    pure integer function side_of(fields, field) result(side)
       type(velocity_field_t), intent(in) :: fields(:)
       integer, intent(in) :: field                   !! Index of the velocity field
@@ -394,7 +394,7 @@ contains
    subroutine reach_of_side(simulation, scratch, sides, tile, side, normal, reach)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
-      type(sides_t), intent(in) :: sides             !! Of the field
+      type(sides_t), intent(in) :: sides             !! The two sides of the field
       integer, intent(in) :: tile
       integer, intent(in) :: side                    !! 0 or 1
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]

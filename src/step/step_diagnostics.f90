@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Examines all particles for errors that balances cannot show: how far neighbours are apart,
-!! whether the
-!! volumes of particles fit into the cells, whether pressures follow those of the nodes, and the
-!! greatest speed and energy. Sums are exact and sums of tiles are in the order of particles, so all
-!! numbers are the same for any ranks and threads.
+!! whether the volumes of particles fit into the cells, whether pressures follow those of the nodes,
+!! and the greatest speed and energy. Sums are exact and sums of tiles are in the order of
+!! particles, so all numbers are the same for any ranks and threads.
 module step_diagnostics
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
@@ -36,12 +35,12 @@ module step_diagnostics
    !> Distances of neighbours, volumes in cells, and noise of pressures.
    type :: shapes_sample_t
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
-      real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
+      real(wp) :: share = 0.0_wp                     !! Mass fraction with separated neighbours [1]
       real(wp) :: overlap = 0.0_wp                   !! Volume in excess of the cells [1]
       real(wp) :: pressure = 0.0_wp                  !! Root mean square of pressure [Pa]
-      real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy of a volume [Pa]
-      real(wp) :: difference = 0.0_wp                !! The same, of that from the node means [Pa]
-      integer(int64) :: longest_identity = huge(1_int64)    !! Of the farthest neighbour
+      real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy per volume [Pa]
+      real(wp) :: difference = 0.0_wp                !! Root mean square from node means [Pa]
+      integer(int64) :: longest_identity = huge(1_int64)    !! Particle with the farthest neighbour
       integer(int64) :: difference_identity = huge(1_int64) !! Of the greatest pressure noise
    end type shapes_sample_t
 
@@ -166,7 +165,7 @@ contains
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(in) :: machine
-      integer, intent(in) :: measure                 !! One of those above
+      integer, intent(in) :: measure                 !! One of the measures above
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       real(wp) :: value, greatest
       integer :: index, tile, p
@@ -194,8 +193,8 @@ contains
    pure real(wp) function measure_of(store, p, density, measure, least_energy) result(value)
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
-      real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
-      integer, intent(in) :: measure                 !! One of those above
+      real(wp), intent(in) :: density                !! Density of its material at rest [kg/m3]
+      integer, intent(in) :: measure                 !! One of the measures above
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
 
       value = -huge(1.0_wp)
@@ -224,7 +223,7 @@ contains
    integer(int64) function lowest_of(machine, value, own) result(identity)
       type(machine_t), intent(in) :: machine
       real(wp), intent(in) :: value                  !! Greatest of this rank
-      integer(int64), intent(in) :: own              !! Its particle
+      integer(int64), intent(in) :: own              !! Particle on this rank
       integer(int64) :: least(1)
 
       least = own
@@ -328,7 +327,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
-      real(wp), intent(in) :: patch(:, :)            !! (2, node) Of this store
+      real(wp), intent(in) :: patch(:, :)            !! (2, node) Patch of this store
       real(wp), intent(inout) :: found(:)            !! (column)
       integer(int64), intent(inout) :: who(longest:) !! (column)
       real(wp) :: all(5)
@@ -371,7 +370,8 @@ contains
       end do
    end subroutine examine_lengths
 
-   !> Are particles of a material tied to their neighbours? In fluids and loose grains they are not.
+   !> True if particles of a material stay close to their neighbours, as those of fluids and loose
+   !! grains do not.
    pure logical function is_solid(material) result(solid)
       type(material_t), intent(in) :: material
 
@@ -379,7 +379,7 @@ contains
       if (allocated(material%law)) solid = material%law%has_shear() .and. .not. is_loose(material)
    end function is_solid
 
-   !> Does a material open without tension?
+   !> True if a material can separate without tension.
    pure logical function is_loose(material) result(loose)
       type(material_t), intent(in) :: material
 

@@ -41,10 +41,9 @@ contains
    end subroutine record_losses
 
    !> Does the PIC fraction dissipate kinetic energy that is not recorded elsewhere, and can this
-   !! loss
-   !! be measured?
+   !! loss be measured?
    pure logical function damps(method, carries) result(measurable)
-      type(method_t), intent(in) :: method           !! Its transfer
+      type(method_t), intent(in) :: method           !! Method with its transfer
       logical, intent(in) :: carries                 !! Does some material carry an internal energy?
 
       ! with musl the strain uses the damped velocity, so this energy is not lost

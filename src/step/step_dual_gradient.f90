@@ -114,10 +114,10 @@ contains
       end associate
    end subroutine weigh_tile
 
-   !> Cells with nodes of two sides have no weight, neither for the first side nor for the other.
+   !> Give cells with nodes of two sides no weight, neither for the first side nor for the second.
    subroutine drop_cells(simulation, field, tile)
       type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(inout) :: field !! One of two sides
+      type(velocity_field_t), intent(inout) :: field !! One of the fields of two sides
       integer, intent(in) :: tile
 
       if (allocated(field%sides)) then
@@ -249,7 +249,7 @@ contains
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
-      type(packed_patch_t), intent(inout) :: gradient      !! Gets it [m3/s]
+      type(packed_patch_t), intent(inout) :: gradient      !! Gets the gradient [m3/s]
       real(wp) :: patch(9, space%grid%tile_nodes)
 
       call clear_patch(patch)
@@ -259,14 +259,13 @@ contains
    end subroutine store_gradient
 
    !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation
-   !! (M.6) of
-   !! doc/theory/method.md.
+   !! (M.6) of doc/theory/method.md.
    subroutine node_gradient(space, field, tile, shares, gradient)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
       type(packed_patch_t), intent(in) :: shares           !! Contributions of cells [m3/s]
-      !> (9, node) [1/s]; only where the particles of the tile see it
+      !> (9, node) [1/s]; only at nodes that the particles of the tile use
       real(wp), allocatable, intent(inout) :: gradient(:, :)
       integer :: low, high
 
@@ -285,8 +284,9 @@ contains
          gradient)
    end subroutine node_gradient
 
-   !> May any node gain so much that its volume matters? Most tiles have none and need no volumes.
-   !! Each component is compared with a bound that is independent of the others.
+   !> True if the gain of some node may exceed the bound (M.17), which needs the volume of the node.
+   !! Most tiles have no such node. Each component is compared with a bound that is independent of
+   !! the others.
    pure logical function light_may_gain(grid, dt, acceleration) result(may)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]

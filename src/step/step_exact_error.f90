@@ -27,7 +27,7 @@ contains
    !! Velocities may be behind positions, and the stress that is updated before the force is that of
    !! the last step; each is compared with the solution at its own time.
    subroutine measure_errors(simulation)
-      type(simulation_t), intent(inout) :: simulation !! With a solution
+      type(simulation_t), intent(inout) :: simulation !! With an exact solution
       type(exact_sum_t) :: sums(errors + 1)
       real(wp) :: part(errors + 1), farthest, times(errors)
       integer :: index, tile, n
@@ -103,7 +103,7 @@ contains
    !> Write the extremes to the state of a checkpoint.
    subroutine save_errors(simulation, state)
       type(simulation_t), intent(in) :: simulation
-      type(state_t), intent(inout) :: state          !! Of the checkpoint
+      type(state_t), intent(inout) :: state          !! State of the checkpoint
 
       if (.not. allocated(simulation%effects%exact)) return
       call state%set("exact_errors", [simulation%effects%exact%greatest_error, &
@@ -113,7 +113,7 @@ contains
    !> Read them from a checkpoint, if it has them.
    subroutine load_errors(simulation, state)
       type(simulation_t), intent(inout) :: simulation
-      type(state_t), intent(in) :: state             !! Of the checkpoint
+      type(state_t), intent(in) :: state             !! State of the checkpoint
       real(wp), allocatable :: numbers(:)
       type(error_t), allocatable :: error
 

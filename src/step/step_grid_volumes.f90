@@ -39,7 +39,7 @@ contains
    !! for noise. Equation (Y.28) of doc/theory/strength.md.
    pure subroutine excess_fill(grid, boundary, coordinate, filled, counted, excess)
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(boundary_t), intent(in) :: boundary       !! Faces of the domain
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       real(wp), contiguous, intent(in) :: filled(:, :)  !! (1, node) Volume of particles [m3]
       real(wp), contiguous, intent(in) :: counted(:, :) !! (1, node) Volume of full cells [m3]
@@ -65,7 +65,7 @@ contains
    pure subroutine correct_volumes(store, tile, material, excess, ledger)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
-      type(material_t), intent(in) :: material       !! Their material
+      type(material_t), intent(in) :: material       !! Material of the particles
       real(wp), contiguous, intent(in) :: excess(:, :) !! (particle of the tile, 1) Fill less 1 [1]
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       real(wp) :: loose(store%count(tile)), before(store%count(tile)), after(store%count(tile))

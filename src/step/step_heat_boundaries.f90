@@ -31,7 +31,7 @@ contains
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       integer, intent(in) :: heat                    !! Row of heat capacity in the patch
-      real(wp), contiguous, intent(inout) :: change(:, :) !! (1, node) Of the temperature [K]
+      real(wp), contiguous, intent(inout) :: change(:, :) !! (1, node) Change of the temperature [K]
       real(wp) :: held(space%grid%tile_nodes), taken
 
       if (.not. any(space%boundary%warm)) return

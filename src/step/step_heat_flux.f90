@@ -194,7 +194,7 @@ contains
       integer, intent(in) :: stride                  !! From the lower end of an edge to the other
       integer, intent(in) :: low(:)                  !! (edge) Node at the lower end
       real(wp), intent(in) :: weight(:)              !! (edge) At the particle
-      real(wp), intent(in) :: conductance            !! Of the particle [W kg/J]
+      real(wp), intent(in) :: conductance            !! Conductance of the particle [W kg/J]
       real(wp), intent(inout) :: patch(:, :)         !! (1, node)
       integer :: edge, high
 
@@ -262,7 +262,7 @@ contains
       integer, intent(in) :: stride                  !! From the lower end of an edge to the other
       integer, intent(in) :: low(:)                  !! (edge) Node at the lower end
       real(wp), intent(in) :: weight(:)              !! (edge) At the particle
-      real(wp), intent(in) :: conductance            !! Of the particle [W kg/J]
+      real(wp), intent(in) :: conductance            !! Conductance of the particle [W kg/J]
       real(wp), intent(in) :: share(:)               !! (node) Transmitted fraction of its flux [1]
       real(wp), intent(in) :: energy(:, :)           !! (1, node) [J/kg]
       real(wp), intent(inout) :: patch(:, :)         !! (1, node)
@@ -300,9 +300,9 @@ contains
    pure subroutine find_edges(grid, cell, direction, local, edges, low, weight)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                    !! Which cell of a tile, from 0
-      integer, intent(in) :: direction               !! Of the edges
+      integer, intent(in) :: direction               !! Direction of the edges
       real(wp), intent(in) :: local(3)               !! Local coordinate, 0 to 1
-      integer, intent(out) :: edges                  !! How many: 1, 2 or 4
+      integer, intent(out) :: edges                  !! Number of edges: 1, 2 or 4
       integer, intent(out) :: low(4)                 !! Node at their lower end
       real(wp), intent(out) :: weight(4)             !! At the position
       integer :: across, edge

@@ -74,7 +74,8 @@ contains
       call choose_quadrature(quadrature, self%quadrature)
       if (.not. allocated(self%quadrature)) call choose_quadrature("point", self%quadrature)
       self%quadrature%alpha = alpha_split
-      ! domains in all transfers: else force on nodes without mass at free surfaces would be lost
+      ! velocities need the same boxes as the force; otherwise a node without mass at a free surface
+      ! would get a force, which would be lost
       if (quadrature == "sub_points") call choose_basis("cpgimp", self%basis)
    end subroutine method_choose
 

@@ -129,14 +129,14 @@ contains
          call nodes%motion%seen(2)%get(grid, nodes%motion%touched, tile, &
             nodes%motion%acceleration(:, :, slot))
          if (simulation%scheme%method%dual) call find_volumes(simulation, field, tile, slot)
-         ! with the same numbers as before, so to the same bits where particles need it
+         ! the same numbers as in the first computation, so that the bits are the same
          call combine(1.0_wp, nodes%motion%velocity(:, :, slot), nodes%motion%acting, &
             nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
          call limit_tile_gains(simulation, field, tile, slot, nodes%motion%acting)
       end associate
    end subroutine restore_velocities
 
-   !> The first part of the same, for a velocity field that other bodies may change.
+   !> First part of the node motion, for a velocity field that contact with other bodies may change.
    subroutine start_node_motion(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -161,7 +161,7 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine start_node_motion
 
-   !> The second part, after contact: ledger and gradients.
+   !> Second part of the node motion, after contact: ledger and gradients.
    subroutine finish_node_motion(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -398,7 +398,7 @@ contains
             call assemble(simulation%space%grid, simulation%space%tiles, &
                field%nodes%series%extra, tile, strain)
          else
-            ! linear velocity fields bring the mass along, in front
+            ! with linear velocity fields the patch also has the mass, in its first row
             allocate (momentum(4, size(strain, 2)))
             call assemble(simulation%space%grid, simulation%space%tiles, &
                field%nodes%series%extra, tile, momentum)

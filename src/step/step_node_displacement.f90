@@ -17,11 +17,11 @@ module step_node_displacement
 
 contains
 
-   !> Does one node exceed the bounds by more than another? Of equal nodes the first of the grid
-   !! counts.
+   !> True if one node exceeds the bounds by more than another. Of equal nodes the first one of the
+   !! grid is the worse one.
    elemental logical function worse(reach, other) result(is_worse)
-      type(reach_t), intent(in) :: reach             !! Is this one worse
-      type(reach_t), intent(in) :: other             !! than this one?
+      type(reach_t), intent(in) :: reach             !! The node that may be worse
+      type(reach_t), intent(in) :: other             !! The node that it is compared with
 
       is_worse = reach%excess > other%excess .or. (reach%node > 0 .and. &
          reach%number < other%number .and. reach%excess >= other%excess)
@@ -42,9 +42,9 @@ contains
          .not. allocated(simulation%effects%contact)
    end function checks_displacement
 
-   !> Displacement of the nodes of a tile that its particles use. Most tiles are so slow that their
-   !! greatest velocity decides, others move as rigid bodies. Equation (S.7) of
-   !! doc/theory/time_step.md.
+   !> Displacement of the nodes of a tile that its particles use. In most tiles the greatest
+   !! velocity is so small that nodes need not be examined one by one; in tiles that move as rigid
+   !! bodies only displacements are examined. Equation (S.7) of doc/theory/time_step.md.
    pure subroutine examine_tile(simulation, field, tile, slot, dt, reach)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field

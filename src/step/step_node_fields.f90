@@ -20,9 +20,8 @@ module step_node_fields
    !> Columns of the sums for differences of stress: those of the force, and force of unit stress
    integer, parameter, public :: difference_columns = dual_columns + 3
 
-   !> Nodes with less mass or volume than this are empty: below the contribution of any particle,
-   !! but with a finite inverse
-   !> it divides stays finite.
+   !> Nodes with less mass or volume than this count as empty. The value is below the contribution
+   !! of any particle, and its inverse is finite.
    real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
    !> Node fields that a run needs, with the components that they have.
@@ -85,7 +84,7 @@ module step_node_fields
       type(node_boxes_t) :: weighted                 !! Nodes of cells with a weight
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of cells
       type(packed_patch_t) :: share                  !! (1) Volume of the dual gradient [m3]
-      real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: volume(:, :, :)       !! (1) Sum of volumes [m3]
       real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if requested [m3]
       type(packed_patch_t) :: force                  !! (3) Force of the node stress [N]
       !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
@@ -100,7 +99,7 @@ module step_node_fields
       !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
       real(wp), allocatable :: extra(:, :, :)
       real(wp), allocatable :: filtered(:, :, :)     !! (3) Sum of the series of velocities [m/s]
-      real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
+      real(wp), allocatable :: term(:, :, :)         !! (3) Last term of the series [m/s]
       real(wp), allocatable :: loss(:, :, :)         !! (1) Lost kinetic energy [J/kg]
    contains
       procedure :: count => count_series
@@ -127,8 +126,8 @@ module step_node_fields
       !> (7) Factors of the three directions [1/m3], fill of the cells around [1], and of the three
       !! directions those of the plain sums [1]
       real(wp), allocatable :: normal(:, :, :)
-      real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
-      real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
+      real(wp), allocatable :: present(:, :, :) !! (1) Volume of all cells, with rigid regions [m3]
+      real(wp), allocatable :: factor(:, :, :) !! (edge, cell, own tile) Factor of each edge [1]
    contains
       procedure :: count => count_normalised
    end type normalised_nodes_t

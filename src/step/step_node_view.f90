@@ -28,28 +28,28 @@ module step_node_view
 
    !> Kinetic energy lost at the nodes of a tile, for its particles.
    type :: loss_view_t
-      real(wp), allocatable :: heat(:, :)            !! (column, node) Of the particles
-      real(wp), allocatable :: scalar(:, :)          !! (1, node) Of the nodes [J/kg]
-      real(wp), allocatable :: turn(:, :)            !! (3, node) Of linear velocity fields [m/s]
-      real(wp), allocatable :: moments(:, :)         !! (9, node) Their moments [m2/s]
+      real(wp), allocatable :: heat(:, :) !! (column, node) Fields gathered at the particles
+      real(wp), allocatable :: scalar(:, :)          !! (1, node) Value of the nodes [J/kg]
+      real(wp), allocatable :: turn(:, :) !! (3, node) Velocity from linear velocity fields [m/s]
+      real(wp), allocatable :: moments(:, :)         !! (9, node) Moments of these [m2/s]
    end type loss_view_t
 
    !> Node fields of one tile that the particles need. Fields that are not needed are not allocated.
    type :: view_t
       real(wp), allocatable :: centre(:, :)          !! (3, node) Mid-step velocity [m/s]
       real(wp), allocatable :: push(:, :) !! (3, node) Velocity increment [m/s]
-      real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
+      real(wp), allocatable :: carry(:, :)           !! (3, node) Advection velocity [m/s]
       real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
-      real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
+      real(wp), allocatable :: middle(:, :) !! (9, node) Gradient of the mid-step velocity [1/s]
       real(wp), allocatable :: earlier(:, :)         !! (9, node) Before the step [1/s]
       type(loss_view_t) :: loss                      !! Lost kinetic energy
       type(increments_t) :: increments               !! Increments and heat, if gathered at once
-      logical :: at_once = .false.                   !! Is it?
+      logical :: at_once = .false.                   !! Are they gathered at once?
       real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
       real(wp), allocatable :: excess(:, :) !! (1, node) Fill less 1, for loose material [1]
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
-      logical :: slow = .false.                      !! Is no gradient that steep?
+      logical :: slow = .false.                      !! Can no gradient limit the step?
       logical :: moved = .false.                     !! Have the particles moved already?
       integer :: slot = 0                            !! Index of the fields of the tile
    end type view_t

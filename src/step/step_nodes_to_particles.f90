@@ -158,8 +158,8 @@ contains
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
-      real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
-      real(wp), intent(in) :: steepest               !! Square of |grad v| without it [1/s2]
+      real(wp), intent(inout) :: fastest             !! Fastest signal and motion of tile [m/s]
+      real(wp), intent(in) :: steepest               !! Square of |grad v|, tile excluded [1/s2]
       logical :: sound
 
       associate (store => simulation%stores(index))
@@ -243,7 +243,7 @@ contains
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
-      type(view_t), intent(in) :: other              !! Of the other side, if the tile has one
+      type(view_t), intent(in) :: other !! Node fields of the other side, if the tile has one
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       associate (grid => simulation%space%grid, method => simulation%scheme%method, shape => &
@@ -318,7 +318,7 @@ contains
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
    !! particles gain the kinetic energy that nodes lose: (T.8) of doc/theory/transfers.md.
    pure subroutine add_work(scratch, store, tile)
-      type(scratch_t), intent(in) :: scratch         !! Of this thread, with the gradient
+      type(scratch_t), intent(in) :: scratch !! Scratch memory of this thread, with the gradient
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       integer :: p, q, first
@@ -343,7 +343,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
-      real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
+      real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Node gradient, if dual [1/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
       logical, intent(in) :: works                   !! For the work of the stress, not the strain?
 
@@ -376,11 +376,11 @@ contains
    !> Add the difference between the sides of nodes to a velocity gradient times the time step.
    subroutine add_gradient(simulation, field, scratch, index, tile, difference, dt)
       type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(in) :: field    !! With sides
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread; has the gradient
+      type(velocity_field_t), intent(in) :: field    !! Field with two sides
+      type(scratch_t), intent(inout) :: scratch !! Scratch memory of this thread, with the gradient
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
-      real(wp), intent(in) :: difference(:, :)       !! (3, node) Of the velocities [m/s]
+      real(wp), intent(in) :: difference(:, :)       !! (3, node) Difference of the velocities [m/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       if (.not. field%sides%cut(tile)) return
@@ -395,7 +395,7 @@ contains
    subroutine find_strain(simulation, field, scratch, index, tile, view, dt)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread; gets the gradient
+      type(scratch_t), intent(inout) :: scratch !! Scratch memory of this thread; gets the gradient
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
@@ -413,13 +413,13 @@ contains
    subroutine add_values(simulation, field, shape, index, tile, factor, mine, theirs, before, &
       values)
       type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(in) :: field    !! With sides
-      type(shape_data_t), intent(in) :: shape        !! Of the tile
+      type(velocity_field_t), intent(in) :: field    !! Field with two sides
+      type(shape_data_t), intent(in) :: shape        !! Shape data of the tile
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: factor                 !! Such as the step [s]
-      real(wp), intent(in) :: mine(:, :)             !! (column, node) Of the first side
-      real(wp), intent(in) :: theirs(:, :)           !! (column, node) Of the other side
+      real(wp), intent(in) :: mine(:, :)             !! (column, node) Values of the first side
+      real(wp), intent(in) :: theirs(:, :)           !! (column, node) Values of the other side
       integer, intent(in) :: before                  !! Rows of the values before the tile
       real(wp), intent(inout) :: values(:, :)        !! (particle, column)
 

@@ -337,9 +337,9 @@ contains
       integer, intent(in) :: tile
       real(wp), intent(in) :: full(:)                !! (cell) Fill, 0 to 1
       real(wp), intent(in) :: own(:)                 !! (cell) Degree of normalisation, 0 to 1
-      real(wp), intent(in) :: weight(:)              !! (cell) Of its part on the nodes
+      real(wp), intent(in) :: weight(:)              !! (cell) Weight of its part on the nodes
       real(wp), intent(in) :: shares(:, :)           !! (edge, cell) Fraction outside of walls [1]
-      real(wp), intent(in) :: ring(:, :)             !! (lane, cell) Of hoop terms at walls [1]
+      real(wp), intent(in) :: ring(:, :) !! (lane, cell) Factor of hoop terms at walls [1]
       real(wp) :: whole(cell_edges), rest(cell_edges)
       integer :: cell
 
@@ -407,11 +407,10 @@ contains
    end subroutine fill_held
 
    !> Factors of the edges of a cell from their sums. Less material than volume may be a free
-   !! surface;
-   !! more material than volume is always an error. Equation (Q.7).
+   !! surface; more material than volume is always an error. Equation (Q.7).
    ! gate: long kernel because an edge needs all quantities of its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
-      real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
+      real(wp), intent(in) :: full                   !! Filled fraction of the cell, 0 to 1
       real(wp), intent(in) :: own                    !! Fraction of its material in the scope
       real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
       real(wp), intent(in) :: rest(:)                !! (edge) Fraction transmitted by nodes [1]

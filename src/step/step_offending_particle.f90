@@ -17,9 +17,9 @@ module step_offending_particle
    !> A particle of this rank, or none.
    type :: found_t
       integer(int64) :: identity = huge(1_int64)     !! Lowest so far
-      integer :: store = 0                           !! Its material, 0 = none found
-      integer :: tile = 0                            !! Its tile
-      integer :: particle = 0                        !! Its place in the store
+      integer :: store = 0                           !! Store of the particle, 0 = none found
+      integer :: tile = 0                            !! Tile of the particle
+      integer :: particle = 0                        !! Index of the particle in the store
    end type found_t
 
 contains

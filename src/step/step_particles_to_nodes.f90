@@ -108,7 +108,7 @@ contains
       end do
    end function count_own
 
-   !> Does no effect need the fields of all nodes beyond the step itself?
+   !> True if no effect needs the fields of all nodes after the step.
    pure logical function may_be_lean(scheme, effects) result(lean)
       type(scheme_t), intent(in) :: scheme
       type(simulation_effects_t), intent(in) :: effects
@@ -215,10 +215,10 @@ contains
    !> Sums of both sides of a field on the parted nodes of a tile.
    subroutine scatter_other(simulation, field, scratch, tile, patch)
       type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(in) :: field    !! With sides
+      type(velocity_field_t), intent(in) :: field    !! Field with two sides
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Of the first side
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Patch of the first side
       real(wp) :: both(size(patch, 1), size(patch, 2), 0:1)
       integer :: n, node
 
@@ -316,7 +316,7 @@ contains
    !> Force of the stress of the particles of a tile.
    subroutine push_nodes(simulation, shape, first, position, volume, stress, patch)
       type(simulation_t), intent(in) :: simulation
-      type(shape_data_t), intent(inout) :: shape        !! Of the tile
+      type(shape_data_t), intent(inout) :: shape        !! Shape data of the tile
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]
@@ -370,7 +370,7 @@ contains
 
    !> Body force of an exact solution, to columns 5 to 7.
    subroutine add_body_force(simulation, scratch, index, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! With a solution
+      type(simulation_t), intent(in) :: simulation   !! With an exact solution
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile

@@ -54,7 +54,7 @@ contains
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
-      real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
+      real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Wave speed [m/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: slope(3)
       integer :: cell, before, low, high, seen
@@ -83,7 +83,7 @@ contains
       integer, intent(in) :: low                     !! First particle of the cell, in the tile
       integer, intent(in) :: high                    !! Last index
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
-      real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
+      real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Wave speed [m/s]
       real(wp), intent(in) :: slope(3)               !! Slope of the nodal pressure, per cell [Pa]
       real(wp), intent(in) :: rate                   !! Fraction of a step over that speed [s/m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]

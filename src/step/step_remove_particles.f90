@@ -19,16 +19,16 @@ module step_remove_particles
 
 contains
 
-   !> Remove the particles of a tile that have left their bounds. Those with a NaN stay and stop the
-   !! run: the NaN has already reached their neighbours.
+   !> Remove the particles of a tile that have left their bounds. Particles with NaN are not removed
+   !! and end the run, because the NaN has already reached their neighbours.
    subroutine retire_tile(materials, stores, clock, scratch, index, tile, sound)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)
       type(clock_t), intent(in) :: clock
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: index                   !! Index of the material and of its store
-      integer, intent(in) :: tile                    !! Which tile, after its particles moved
-      logical, intent(out) :: sound                  !! Is all well now?
+      integer, intent(in) :: tile                    !! Tile after its particles moved
+      logical, intent(out) :: sound                  !! Are all other particles in their bounds?
       type(bounds_t) :: bounds
       integer :: p, fault
       real(wp) :: value
@@ -54,8 +54,8 @@ contains
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
-      integer, intent(in) :: index                   !! Which material, it can fail
-      integer, intent(in) :: tile                    !! Which tile, after its particles moved
+      integer, intent(in) :: index                   !! Index of a material that can fail
+      integer, intent(in) :: tile                    !! Tile after its particles moved
       integer :: p
 
       associate (store => stores(index), material => materials(index))
@@ -70,9 +70,9 @@ contains
    !> Record a particle and mark it for removal.
    subroutine take_out(ledger, material, store, tile, p)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
-      type(material_t), intent(in) :: material       !! Its material
+      type(material_t), intent(in) :: material       !! Material of the particle
       type(store_t), intent(inout) :: store
-      integer, intent(in) :: tile                    !! Its tile
+      integer, intent(in) :: tile                    !! Tile of the particle
       integer, intent(in) :: p
 
       call ledger%record_particle(store, material, p, [removed_mass, removed_momentum, &

@@ -21,13 +21,13 @@ module step_retry
 
 contains
 
-   !> Would a node move too far in the step, or two nodes of a cell too far apart? If so, restore
-   !! the state before the nodes moved; the step is repeated with a shorter time step. Collective.
-   !! Equation (S.7) of doc/theory/time_step.md.
+   !> Find whether a node would move too far in the step, or two nodes of a cell too far apart. If
+   !! so, restore the state before the nodes moved, so that the step can be repeated with a shorter
+   !! time step. Collective. Equation (S.7) of doc/theory/time_step.md.
    subroutine check_node_displacement(simulation, dt, again, error)
-      type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
+      type(simulation_t), intent(inout) :: simulation !! State after the nodes have moved
       real(wp), intent(inout) :: dt                  !! Time step [s]
-      logical, intent(out) :: again                  !! Is the step to be done again?
+      logical, intent(out) :: again                  !! Must the step be repeated?
       type(error_t), allocatable, intent(out) :: error !! No step is short enough
       type(reach_t) :: worst, reach
       real(wp) :: excess
@@ -85,7 +85,7 @@ contains
 
    !> The node of this rank that exceeds the bounds most.
    subroutine find_worst(simulation, field, dt, worst)
-      type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
+      type(simulation_t), intent(inout) :: simulation !! State after the nodes have moved
       type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: worst
@@ -122,7 +122,7 @@ contains
    subroutine name_node(simulation, dt, excess, worst, error)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: dt                     !! Time step that was tried [s]
-      real(wp), intent(in) :: excess                 !! Of the worst node of all ranks
+      real(wp), intent(in) :: excess                 !! Excess of the worst node of all ranks
       type(reach_t), intent(in) :: worst             !! That of this rank
       type(error_t), allocatable, intent(out) :: error !! Always
       integer(int64) :: least(1), number

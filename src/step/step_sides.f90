@@ -19,7 +19,7 @@ module step_sides
    public :: find_sides
 
    integer, parameter :: sum_intact = 1              !! Intact volume
-   integer, parameter :: sum_slope = 2               !! Its gradient
+   integer, parameter :: sum_slope = 2               !! Gradient of the intact volume
    integer, parameter :: sum_axis = 3                !! Sums for the axes of the nodes
    integer, parameter :: sum_parts = 4               !! Sums for the separation of sides
    !> Rows of the sums
@@ -73,7 +73,7 @@ contains
    !> Sum over the particles of own tiles, and receive the sums of other ranks.
    subroutine add_up(simulation, sides, kind)
       type(simulation_t), intent(inout) :: simulation
-      type(sides_t), intent(inout) :: sides          !! Of a field
+      type(sides_t), intent(inout) :: sides          !! The two sides of a field
       integer, intent(in) :: kind                    !! One of the sums above
       integer, allocatable :: tiles(:)
       real(wp) :: began
@@ -99,7 +99,7 @@ contains
    !> One tile.
    subroutine add_tile(simulation, sides, scratch, kind, tile)
       type(simulation_t), intent(in) :: simulation
-      type(sides_t), intent(inout) :: sides          !! Of a field
+      type(sides_t), intent(inout) :: sides          !! The two sides of a field
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: kind                    !! One of the sums above
       integer, intent(in) :: tile
@@ -194,7 +194,7 @@ contains
    !> Assign particles to the first side again at nodes whose sides have not separated.
    subroutine part(simulation, sides)
       type(simulation_t), intent(inout) :: simulation
-      type(sides_t), intent(inout) :: sides          !! Of a field
+      type(sides_t), intent(inout) :: sides          !! The two sides of a field
       real(wp) :: began
       integer :: tile, n
 

@@ -39,13 +39,13 @@ module step_simulation
       phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
 
-   integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
+   integer, parameter, public :: guesses = 3         !! Candidates for the normal between two bodies
 
    !> Bodies with one velocity field: all bodies, if there is no contact.
    type :: velocity_field_t
       integer :: first_store = 1                     !! First of its stores
       integer :: last_store = 0                      !! Last of its stores
-      type(nodes_t) :: nodes                         !! Its node fields
+      type(nodes_t) :: nodes                         !! Node fields of the velocity field
       integer :: other = 0                           !! Field of the other side, if it has one
       type(sides_t), allocatable :: sides            !! Sides of particles
    contains
@@ -56,7 +56,7 @@ module step_simulation
    type :: contact_t
       type(pair_law_t), allocatable :: law(:, :)     !! (field, field) Contact law of two fields
       logical :: bonded = .false.                    !! Can bonds break?
-      integer, allocatable :: field_of_body(:)       !! (body) Its velocity field
+      integer, allocatable :: field_of_body(:)       !! (body) Velocity field of the body
       integer, allocatable :: material(:)            !! (store) Number of its &material
       !> Patch (row, field): outward area of the particles [m2], with bonds the mass of those that
       !! hold [kg]
@@ -79,7 +79,7 @@ module step_simulation
       real(wp), allocatable :: flow(:, :, :)
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
-      real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: volume(:, :, :)       !! (1) Sum of volumes [m3]
       real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
       real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
    contains
@@ -97,18 +97,18 @@ module step_simulation
 
    !> The node that would exceed the bounds on displacement most in a step.
    type :: reach_t
-      real(wp) :: excess = 0.0_wp                    !! Over the bounds, the worst of both [1]
+      real(wp) :: excess = 0.0_wp                    !! Greater of both over its bound [1]
       real(wp) :: moved = 0.0_wp                     !! Displacement of that node over a cell [1]
-      real(wp) :: strain = 0.0_wp                    !! Or difference of two over a cell, else 0 [1]
+      real(wp) :: strain = 0.0_wp                    !! Or difference of two nodes over a cell [1]
       integer :: node = 0                            !! The node, in the tile
-      integer(int64) :: number = huge(1_int64)       !! The same in the grid
-      integer :: place(3) = 0                        !! Its place in the grid, from 0
+      integer(int64) :: number = huge(1_int64)       !! Number of the node in the grid
+      integer :: place(3) = 0                        !! Position in the grid, from 0
    end type reach_t
 
    !> Scratch space of one thread.
    type :: scratch_t
       type(shape_data_t) :: shape !! Shape data of the particles of the tile
-      type(pushed_stress_t) :: pushed !! Their stress for the nodes, if different
+      type(pushed_stress_t) :: pushed !! Particle stress for the nodes, if different
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       !> (particle, 9) Half of the strain with the velocity before the step, if needed [1]
       real(wp), allocatable :: earlier(:, :)
@@ -121,7 +121,7 @@ module step_simulation
       logical :: retired = .false.                   !! True if a particle was retired
       type(reach_t) :: reach                         !! Node that moves too far, if tested
       real(wp) :: steepest = 0.0_wp                  !! Square of steepest velocity gradient [1/s2]
-      integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
+      integer(int64) :: steepest_identity = huge(1_int64) !! Particle of the steepest gradient
    end type scratch_t
 
    !> Requests of one rank to all ranks; agreed at the end of each step.
@@ -138,18 +138,18 @@ module step_simulation
       integer :: cuts = 0                            !! Number of repartitions of the curve
       integer(int64) :: sent = 0                     !! Tiles that this rank sent then
       integer(int64) :: listed = 0                   !! Longest list of tiles here at the start
-      real(wp) :: last = 1.0_wp                      !! At the last measured step [1]
+      real(wp) :: last = 1.0_wp                      !! Ratio in the last measured step [1]
       real(wp) :: total = 0.0_wp                     !! Sum over the measured steps [1]
       real(wp) :: greatest = 1.0_wp                  !! After the first hundred steps [1]
    contains
-      procedure :: look => load_look                 !! Note a measured step
+      procedure :: look => load_look                 !! Record a measured step
    end type load_t
 
    !> Indices of the timed phases.
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
          ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
-      integer :: effect(effect_count) = 0           !! In the material update, 0 = off
+      integer :: effect(effect_count) = 0           !! Timer in the material update, 0 = off
    end type phases_t
 
    !> The domain: the grid, its boundaries and rigid regions, and its tiles.
@@ -176,7 +176,7 @@ module step_simulation
       logical :: keeps_nodes = .false.               !! Are the fields of all nodes requested?
       logical :: erosion = .false.                   !! Are failed particles removed?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
-      logical :: works = .false.                     !! Is work found, of that energy or of loads?
+      logical :: works = .false.                     !! Is work of stress or loads computed?
    end type scheme_t
 
    !> Physical effects in addition to stress. Those that a scene does not use are not allocated.
@@ -230,11 +230,11 @@ module step_simulation
       type(communicator_t) :: communicator
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
-      type(requests_t) :: requests                   !! Of this rank, after a step of all
+      type(requests_t) :: requests !! Requests of this rank; after a step those of all ranks
       type(load_t) :: load                           !! How evenly the ranks work
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
-      integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
-      real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
+      integer(int64), allocatable :: cost_key(:)     !! (own tile) Key of the tile at that time
+      real(wp) :: worked = 0.0_wp                    !! Processor time of the rank in its steps [s]
       type(rank_work_t) :: work                      !! Counts of work and communication
    end type machine_t
 

@@ -71,7 +71,7 @@ contains
          simulation%machine%phase%wait, simulation%machine%communicator%traffic%waiting - waited)
    end subroutine sort_particles
 
-   !> The particles that inflows feed in a step: a loss below 0 in the ledger.
+   !> The particles that enter by inflows in a step. The ledger records them as negative losses.
    subroutine feed_particles(simulation, began, fed)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: began                  !! Begin of the step [s]

@@ -21,7 +21,7 @@ module step_stress_difference
 
    public :: find_stress_difference
 
-   integer, parameter :: before = 4                  !! Columns that the force leaves alone
+   integer, parameter :: before = 4                  !! Columns before those of the force
    integer, parameter :: rest = 3                    !! Columns behind those of the force
 
 contains

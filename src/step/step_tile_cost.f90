@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Work of the threads on each tile. It is measured only in the steps before the loads of ranks are
-!> compared.
+!! compared.
 module step_tile_cost
    use base_kinds, only: wp
    use base_timer, only: thread_seconds

@@ -20,7 +20,7 @@ module step_tile_rotation
 
    public :: smooth_tile_rotation
 
-   integer, parameter :: corners = 8                 !! Of a tile
+   integer, parameter :: corners = 8                 !! Number of corners of a tile
    integer, parameter :: columns = 4                 !! Mass times rotation, and mass
    integer, parameter :: chunk = 128                 !! Particles whose weights stay in cache
 
@@ -86,7 +86,7 @@ contains
       integer, intent(in) :: tile
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
-      real(wp), intent(inout) :: sums(columns, corners) !! At the corners [kg/s], [kg]
+      real(wp), intent(inout) :: sums(columns, corners) !! Sums at the corners [kg/s], [kg]
       real(wp) :: weight(chunk, corners), value(chunk, columns), total
       integer :: before, count, corner, column, p
 
@@ -166,7 +166,7 @@ contains
    pure subroutine find_corners(simulation, tile, node)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
-      integer, intent(out) :: node(corners)          !! Their numbers
+      integer, intent(out) :: node(corners)          !! Numbers of the nodes
       integer :: corner, extent(3), margin(3), bit(3), k
 
       associate (grid => simulation%space%grid)

@@ -60,7 +60,7 @@ contains
    !> Steepest velocity gradient of all threads, and the identity of its particle.
    subroutine find_rate(simulation, rate)
       type(simulation_t), intent(inout) :: simulation
-      real(wp), intent(out) :: rate                  !! On this rank [1/s]
+      real(wp), intent(out) :: rate                  !! Rate on this rank [1/s]
       integer :: thread
       real(wp) :: most
 
@@ -97,9 +97,9 @@ contains
    !! where all ranks wait for each other.
    subroutine agree(simulation, fastest, diffusivity, rate, retired)
       type(simulation_t), intent(inout) :: simulation
-      real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
-      real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
-      real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
+      real(wp), intent(inout) :: fastest !! Greatest speed: of this rank in, of all ranks out [m/s]
+      real(wp), intent(inout) :: diffusivity !! Greatest diffusivity: rank in, all out [m2/s]
+      real(wp), intent(inout) :: rate                !! Greatest rate: rank in, all out [1/s]
       logical, intent(inout) :: retired              !! Have particles been removed?
       real(wp) :: values(8)
 
@@ -152,8 +152,8 @@ contains
    !! diffusivity and the number of directions. Equation (A.16) of
    !! doc/theory/matter.md.
    pure real(wp) function conduction_step(spacing, dimensions, diffusivity) result(dt)
-      real(wp), intent(in) :: spacing                !! Of the grid [m]
-      integer, intent(in) :: dimensions              !! Of the grid
+      real(wp), intent(in) :: spacing                !! Spacing of the grid [m]
+      integer, intent(in) :: dimensions              !! Number of dimensions of the grid
       real(wp), intent(in) :: diffusivity            !! Greatest of all particles [m2/s]
 
       dt = huge(dt)

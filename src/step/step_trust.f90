@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Watches whether the results of a run can be trusted beyond its balances: speeds and
-!! energies, distances of neighbours, volumes and pressures. It warns once of each and stops the run
-!! where a number is impossible. The values and their limits are (L.8) to (L.11) of
-!! doc/theory/ledger.md.
+!! energies, distances of neighbours, volumes and pressures. It warns once of each quantity and
+!! stops the run if a value is physically impossible. The values and their limits are (L.8) to
+!! (L.11) of doc/theory/ledger.md.
 module step_trust
    use base_error, only: error_t, exit_physics, fail
    use base_exact_sum, only: exact_sum_t
@@ -71,7 +71,7 @@ contains
 
    !> Record speeds and energies at the start of a run, the reference for later ones. Collective.
    subroutine begin_trust(simulation)
-      type(simulation_t), intent(inout) :: simulation !! In its first state
+      type(simulation_t), intent(inout) :: simulation !! In its initial state
       type(bounds_sample_t) :: look
 
       if (simulation%balance%trust%begun) return
@@ -139,9 +139,9 @@ contains
    !! checkpoint do not change, so that a continued run gives the same record as an uninterrupted
    !! one. Collective.
    subroutine final_trust(simulation, code, now, trust)
-      type(simulation_t), intent(inout) :: simulation !! At its end; not changed
+      type(simulation_t), intent(inout) :: simulation !! At the end of the run; not changed
       integer, intent(in) :: code                    !! Exit code
-      type(balance_t), intent(in) :: now             !! Its balance
+      type(balance_t), intent(in) :: now             !! Balance at this time
       type(trust_t), intent(out) :: trust            !! Measures of trust
       type(bounds_sample_t) :: bounds
       type(shapes_sample_t) :: shapes
@@ -227,7 +227,7 @@ contains
    !! [m2/s2]. Equation (L.10).
    pure real(wp) function explained_square(simulation, trust) result(square)
       type(simulation_t), intent(in) :: simulation
-      type(trust_t), intent(in) :: trust             !! Its start
+      type(trust_t), intent(in) :: trust             !! Values at the start
       integer :: n
 
       square = max(trust%start_speed**2, 2.0_wp*trust%start_energy)
@@ -258,7 +258,7 @@ contains
 
    !> Greatest speed of a wall, or more [m/s].
    pure real(wp) function greatest_motion(motion) result(speed)
-      type(motion_t), intent(in) :: motion           !! How it moves
+      type(motion_t), intent(in) :: motion           !! Motion of the material
 
       speed = norm2(motion%steady)
       if (allocated(motion%time)) speed = speed + sqrt(maxval(sum(motion%speed**2, dim=1)))
@@ -363,7 +363,7 @@ contains
    !> Report at the end which balances do not close, with the remedy. Collective.
    subroutine warn_of_balance(simulation, now, trust, log)
       type(simulation_t), intent(in) :: simulation   !! Method and fields are used
-      type(balance_t), intent(in) :: now             !! Its balance
+      type(balance_t), intent(in) :: now             !! Balance at this time
       type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warnings
       logical :: parts
@@ -376,9 +376,9 @@ contains
 
    !> Report at the end that energy is lost, with the remedy. Collective.
    subroutine warn_of_energy(method, parts, now, trust, log)
-      type(method_t), intent(in) :: method           !! How the run was computed
+      type(method_t), intent(in) :: method           !! Numerical method of the run
       logical, intent(in) :: parts                   !! Does a body touch itself?
-      type(balance_t), intent(in) :: now             !! Its balance
+      type(balance_t), intent(in) :: now             !! Balance at this time
       type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
@@ -414,7 +414,7 @@ contains
 
    !> Report at the end that momentum is not conserved, with the error. Collective.
    subroutine warn_of_momentum(method, trust, log)
-      type(method_t), intent(in) :: method           !! How the run was computed
+      type(method_t), intent(in) :: method           !! Numerical method of the run
       type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
@@ -447,8 +447,8 @@ contains
    !> Print a warning with step, time and a particle. Collective.
    subroutine warn_of_particle(simulation, log, identity, words)
       type(simulation_t), intent(in) :: simulation
-      type(log_t), intent(inout) :: log              !! Gets it
-      integer(int64), intent(in) :: identity         !! Of the particle
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      integer(int64), intent(in) :: identity         !! Identity of the particle
       character(len=*), intent(in) :: words          !! Error message
       character(len=:), allocatable :: who
 

@@ -285,9 +285,9 @@ contains
    !! modified gradient, which leaves out nodes without mass, as they have no velocity.
    subroutine find_slopes(simulation, shape, velocity, gradient, slopes)
       type(simulation_t), intent(in) :: simulation
-      type(shape_data_t), intent(inout) :: shape        !! Of the tile
+      type(shape_data_t), intent(inout) :: shape        !! Shape data of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
-      real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
+      real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) Node gradient, if dual [1/s]
       real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
 
       associate (grid => simulation%space%grid, method => simulation%scheme%method)
@@ -322,7 +322,7 @@ contains
    subroutine spread_fields(space, scheme, scratch, store, tile, patch)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, velocity and slopes set
+      type(scratch_t), intent(inout) :: scratch !! Private to this thread, velocity and slopes set
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (4, node)

@@ -210,8 +210,8 @@ contains
       if (allocated(space%rigid)) number = number + size(space%rigid%wall)
    end function number_of_walls
 
-   !> Does any wall act in a stage? Before the forces act, nodes that they press on a wall must not
-   !! strain away from it.
+   !> True if walls may act in a stage. Friction also acts in the strain before the forces, from the
+   !! second step on: nodes that were pressed on a wall must not move away from it.
    pure logical function stage_acts(simulation, stage, dt) result(acts)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: stage
@@ -406,7 +406,7 @@ contains
       type(space_t), intent(in) :: space
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before forces act [m/s]
-      real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, with walls [m/s]
+      real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) Velocity with walls [m/s]
       real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where prescribed
       integer, intent(in), optional :: only          !! Wall that acts; default: all
 
@@ -428,7 +428,7 @@ contains
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: change(:, :)           !! (3, node) Change by walls [m/s]
-      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is recorded [m/s]
+      real(wp), intent(in) :: velocity(:, :) !! (3, node) Velocity for the recorded work [m/s]
       real(wp) :: own(field%nodes%motion%packed(1)%rows, size(change, 2)), stopped
       integer :: node
 

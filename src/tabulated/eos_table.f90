@@ -37,7 +37,7 @@ module eos_table
       procedure :: request => table_request          !! Requests the energy field
       procedure :: update => table_update            !! Pressure and square of the sound speed
       procedure :: gives_temperature => table_gives_temperature !! Returns true
-      procedure :: find_temperature => table_find_temperature !! Of density and energy
+      procedure :: find_temperature => table_find_temperature !! From density and energy
       procedure :: stored_energy => table_stored_energy !! Zero, because energy is a field
       procedure :: starts_with_energy => table_starts_with_energy !! Returns true
       procedure :: start_energy => table_start_energy !! That of the temperature
@@ -172,7 +172,7 @@ contains
       real(wp), intent(in) :: density                !! [kg/m3]
       real(wp), intent(in) :: energy                 !! [J/kg]
       real(wp), intent(out) :: pressure              !! [Pa]
-      real(wp), intent(out) :: square                !! Of the sound speed [m2/s2]
+      real(wp), intent(out) :: square                !! Square of the sound speed [m2/s2]
       type(cell_lanes_t) :: lanes
       real(wp) :: found(1), speed(1)
 

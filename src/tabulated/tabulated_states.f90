@@ -21,16 +21,16 @@ module tabulated_states
       real(wp), allocatable :: temperature(:)        !! Ascending [K]
       real(wp), allocatable :: pressure(:)           !! (node) [Pa]
       real(wp), allocatable :: energy(:)             !! (node) [J/kg]
-      real(wp), allocatable :: square(:)             !! Of the sound speed (node) [m2/s2]
+      real(wp), allocatable :: square(:)             !! Square of the sound speed (node) [m2/s2]
       real(wp) :: worst = 0.0_wp                     !! Greatest inconsistency of a cell [1]
-      real(wp) :: worst_density = 0.0_wp             !! In the middle of that cell [kg/m3]
-      real(wp) :: worst_temperature = 0.0_wp         !! In the middle of that cell [K]
+      real(wp) :: worst_density = 0.0_wp             !! Density in the worst cell [kg/m3]
+      real(wp) :: worst_temperature = 0.0_wp         !! Temperature in the worst cell [K]
    contains
       procedure :: complete => states_complete       !! Sound speeds and inconsistency
       procedure :: find_cells => states_find_cells !! Cells of states, and where in them
       procedure :: interpolate => states_interpolate !! Pressure and sound speed there
       procedure :: find_temperatures => states_find_temperatures !! Temperatures there
-      procedure :: energy_of => states_energy_of     !! Of a density and a temperature
+      procedure :: energy_of => states_energy_of     !! Energy of a density and a temperature
       procedure :: energy_range => states_energy_range !! Least and greatest at a density
    end type state_table_t
 
@@ -220,7 +220,7 @@ contains
       type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
       integer, intent(in) :: offset                  !! The results of lane l go to offset + l
       real(wp), contiguous, intent(inout) :: pressure(:) !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: square(:)   !! Of the sound speed (range) [m2/s2]
+      real(wp), contiguous, intent(inout) :: square(:) !! Square of the sound speed (range) [m2/s2]
 
       call mix_nodes(lanes, size(self%temperature), offset, self%pressure, pressure)
       call mix_nodes(lanes, size(self%temperature), offset, self%square, square)

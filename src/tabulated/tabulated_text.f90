@@ -20,7 +20,7 @@ module tabulated_text
    type :: listing_t
       integer :: count = 0                           !! Lines of numbers
       real(wp), allocatable :: value(:, :)           !! (4, entry)
-      integer, allocatable :: line(:)                !! (entry) Its line in the file
+      integer, allocatable :: line(:)                !! (entry) Line in the file
    end type listing_t
 
 contains
@@ -175,7 +175,7 @@ contains
       call table%complete()
       do k = 1, listing%count
          if (table%square(k) > 0.0_wp) cycle
-         ! A gas without heat has no sound.
+         ! The sound speed of a gas without heat is 0.
          if (table%square(k) >= 0.0_wp .and. .not. listing%value(2, k) > 0.0_wp) cycle
          fault = "line "//number(listing%line(k))//": the pressure must increase with the "// &
             "density at constant entropy, but the square of the sound speed is "// &

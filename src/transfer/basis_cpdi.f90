@@ -36,7 +36,7 @@ module basis_cpdi
       procedure :: scatter_affine => cpdi_scatter_affine !! Mass and a linear velocity field
       procedure :: scatter_stress => cpdi_scatter_stress !! Force of the stress
       procedure :: gather_values => cpdi_gather_values !! Node values to particles
-      procedure :: gather_gradient => cpdi_gather_gradient !! Their gradients
+      procedure :: gather_gradient => cpdi_gather_gradient !! Gradients of the values
       procedure :: gather_affine => cpdi_gather_affine !! Linear velocity field
    end type basis_cpdi_t
 
@@ -149,8 +149,8 @@ contains
    !> Inverse and determinant of a matrix; the inverse is of no use if the determinant is 0.
    pure subroutine invert(a, inverse, determinant)
       real(wp), intent(in) :: a(3, 3)                        !! Any matrix
-      real(wp), intent(out) :: inverse(3, 3)                 !! Its inverse
-      real(wp), intent(out) :: determinant                   !! Its determinant
+      real(wp), intent(out) :: inverse(3, 3)                 !! Inverse of the matrix
+      real(wp), intent(out) :: determinant                   !! Determinant of the matrix
       integer :: i, j
 
       do j = 1, 3

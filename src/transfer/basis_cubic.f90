@@ -18,7 +18,7 @@ module basis_cubic
       procedure :: at_wall => cubic_at_wall          !! Integral of the function of a wall
       procedure :: band_width => cubic_band_width        !! Width of a crack across a cell
       procedure :: reach => cubic_reach              !! Nodes of a line that are touched
-      procedure :: find_overhang => cubic_find_overhang !! How far functions reach
+      procedure :: find_overhang => cubic_find_overhang !! Range of the functions beyond the cell
       procedure :: weigh => cubic_weigh              !! Functions along one direction
    end type basis_cubic_t
 

@@ -52,13 +52,11 @@ contains
    end subroutine gimp_find_overhang
 
    !> Means over the box, half of which is the overhang. With the distance d from a node and half
-   !! the
-   !! box l in cells the mean is the hat function
-   !! 1 - d, less (l - d)**2/(2 l) where the box holds the top, more (l - |1 - d|)**2/(4 l) where it
-   !! holds the foot. That is the form without branches of 1 - (d**2 + l**2)/(2 l), 1 - d and
-   !! (1 + l - d)**2/(4 l). Equation (N.2) of doc/theory/node_functions.md. A box that touches three
-   !! nodes holds at most the top of the function of the middle one, which is the foot of both
-   !! others.
+   !! the box l in cells the mean is the hat function 1 - d, less (l - d)**2/(2 l) where the box
+   !! holds the top, more (l - |1 - d|)**2/(4 l) where it holds the foot. That is the form without
+   !! branches of 1 - (d**2 + l**2)/(2 l), 1 - d and (1 + l - d)**2/(4 l). Equation (N.2) of
+   !! doc/theory/node_functions.md. A box that touches three nodes holds at most the top of the
+   !! function of the middle one, which is the foot of both others.
    pure subroutine gimp_weigh(self, count, nodes, inverse, local, overhang, weight, slope)
       class(basis_gimp_t), intent(in) :: self
       integer, intent(in) :: count                           !! Particles

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Linear functions of the cell, of the material point method of D. Sulsky, Z. Chen, H. L. Schreyer,
-!> Comput. Methods Appl. Mech. Eng. 118 (1994) 179. A particle touches only the nodes of its cell.
+!! Comput. Methods Appl. Mech. Eng. 118 (1994) 179. A particle touches only the nodes of its cell.
 !! Equation (N.1) of doc/theory/node_functions.md.
 !!
 !! Sums and values are the same in all dimensions; the kernel, for space or plane, is chosen here

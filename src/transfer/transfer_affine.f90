@@ -44,9 +44,9 @@ contains
       type(grid_t), intent(in) :: grid
       class(basis_t), intent(in) :: basis
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape !! Of the tile, with C before the step
+      type(shape_data_t), intent(inout) :: shape !! Shape data of the tile, with C before the step
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) [m/s]
-      real(wp), contiguous, intent(in) :: moments(:, :)      !! (9, node) Of `moment_fields` [m2/s]
+      real(wp), contiguous, intent(in) :: moments(:, :) !! (9, node) From `moment_fields` [m2/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
       real(wp) :: corner(3), place, heat
       integer :: cell, p, q, k, l

@@ -29,10 +29,10 @@ module transfer_basis
       procedure(scatter_affine_i), deferred :: scatter_affine !! Mass and a linear velocity field
       procedure(scatter_stress_i), deferred :: scatter_stress !! Force of the stress
       procedure(gather_values_i), deferred :: gather_values !! Node values to particles
-      procedure(gather_gradient_i), deferred :: gather_gradient !! Their gradients
+      procedure(gather_gradient_i), deferred :: gather_gradient !! Gradients of the values
       procedure :: gather_affine => basis_gather_affine !! Linear velocity field around a particle
       procedure :: scatter_motion => basis_scatter_motion !! Mass and momentum
-      procedure :: scatter_turning => basis_scatter_turning !! Those of rotating particles
+      procedure :: scatter_turning => basis_scatter_turning !! Vectors of rotating particles
       procedure :: scatter_product => basis_scatter_product !! Mass times a vector
       procedure :: scatter_hoop => basis_scatter_hoop !! Force of the hoop stress
       procedure :: gather_motion => basis_gather_motion !! Velocity and position

@@ -32,12 +32,12 @@ module transfer_contact
    integer, parameter, public :: state_closed = 1        !! True if the bodies touch
    integer, parameter, public :: state_bonded = 2        !! True if a bond holds
 
-   integer, parameter :: most_turns = 50             !! Of the pairs at a node
+   integer, parameter :: most_turns = 50 !! Largest number of rounds over the pairs at a node
    real(wp), parameter :: enough = 1.0e-12_wp        !! Relative gain for convergence
 
    !> Contact law of a pair of bodies.
    type :: pair_law_t
-      integer :: kind = contact_friction             !! One of those above
+      integer :: kind = contact_friction             !! One of the kinds above
       real(wp) :: friction = 0.0_wp                  !! Coefficient of friction [1]
       real(wp) :: strength = huge(1.0_wp)            !! Strength of a bond [Pa]
    end type pair_law_t
@@ -47,8 +47,8 @@ contains
    !> Contact impulses that keep the bodies at a node from approaching. The sum of the impulses of a
    !! pair is zero to the last bit. Equation (C.3) of doc/theory/contact.md.
    pure subroutine separate_bodies(mass, velocity, normal, state, law, push)
-      real(wp), intent(in) :: mass(:)                !! (body) At the node [kg]
-      real(wp), intent(in) :: velocity(:, :)         !! (3, body) At the end of the step [m/s]
+      real(wp), intent(in) :: mass(:)                !! (body) Mass at the node [kg]
+      real(wp), intent(in) :: velocity(:, :) !! (3, body) Velocity at the end of the step [m/s]
       real(wp), contiguous, intent(in) :: normal(:, :, :) !! (3, a, b) From a to b, for a < b [1]
       integer, intent(in) :: state(:, :)             !! (a, b) Gap, for a < b
       type(pair_law_t), intent(in) :: law(:, :)      !! (a, b) Contact law
@@ -107,9 +107,9 @@ contains
    !> Tensile and shear stress [Pa] of an impulse on a bond; pressure does not count.
    !! Equation (C.5).
    pure real(wp) function bond_traction(push, normal, area, dt) result(stress)
-      real(wp), intent(in) :: push(3)                !! On the body that n leads to [kg m/s]
+      real(wp), intent(in) :: push(3) !! Impulse on the body that n points to [kg m/s]
       real(wp), intent(in) :: normal(3)              !! [1]
-      real(wp), intent(in) :: area(3)                !! Of the surface at the node, a vector [m2]
+      real(wp), intent(in) :: area(3)                !! Area vector of the surface at the node [m2]
       real(wp), intent(in) :: dt                     !! Duration [s]
       real(wp) :: pressed, sheared
 

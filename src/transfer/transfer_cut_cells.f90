@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Cells that rigid regions cut, for normalised sums: the fraction of the weight of each edge
-!! outside.
+!! that is outside of the regions.
 !!
 !! Material fills the part of a cell outside of the region. Normal to the surface it transmits the
 !! pressure of the whole cell, because the node inside the region moves with the wall. Along the
@@ -20,11 +20,12 @@ module transfer_cut_cells
    public :: cut_cells, ramp
 
    integer, parameter :: halvings = 30               !! Bisections to find the cut of an edge
-   !> From where on nodes beyond a surface carry pressure along it, as a position on the edge that
-   !! it cuts, 1 at that node; nodes outside transmit this part in addition to their own [1]
+   !> Position of the cut on an edge, from 0 at the node outside to 1 at the node inside of the
+   !! region, from which on the node inside transmits pressure along the surface, and the node
+   !! outside transmits the rest [1]
    real(wp), parameter :: half = 0.5_wp
-   !> Cell fractions below this one carry no pressure along the surface, those above twice this
-   !! carry all of it [1]
+   !> Cut edges with a smaller fraction outside transmit no pressure along the surface, those with
+   !! more than twice this fraction all of it [1]
    real(wp), parameter :: thin = 0.25_wp
 
 contains
@@ -35,7 +36,7 @@ contains
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       type(rigid_t), intent(in) :: rigid             !! Rigid regions, with their nodes
       integer, intent(in) :: tile                    !! Index of the tile
-      logical, intent(in) :: smooth                  !! Do positions enter smoothly?
+      logical, intent(in) :: smooth                  !! Are local coordinates smoothed?
       real(wp), intent(inout) :: shares(:, 0:)       !! (edge, cell) [1]
       !> (lane in a plane, cell) Factor of the hoop terms of nodes beyond the surface. With it the
       !! flux through the end of the cell is replaced by that through the surface at its radius [1]
@@ -71,7 +72,7 @@ contains
       type(wall_t), intent(in) :: wall(:)            !! All regions
       integer, intent(in) :: node                    !! First node of the cell
       integer, intent(in) :: ends(lanes)             !! (lane) Region that covers the node, 0 = none
-      logical, intent(in) :: smooth                  !! Do positions enter smoothly?
+      logical, intent(in) :: smooth                  !! Are local coordinates smoothed?
       real(wp), intent(inout) :: share(:)            !! (edge) [1]
       real(wp), intent(inout) :: ring(:)             !! (lane in a plane) As of `cut_cells` [1]
       real(wp) :: outside(lanes, 3), place(3), at, far
@@ -135,7 +136,7 @@ contains
    !! [1].
    pure real(wp) function near_share(place, smooth) result(share)
       real(wp), intent(in) :: place                  !! 0 to 1
-      logical, intent(in) :: smooth                  !! Does the place enter smoothly?
+      logical, intent(in) :: smooth                  !! Is the local coordinate smoothed?
 
       if (smooth) then
          share = 2.0_wp*(place - place**3 + 0.5_wp*place**4)
@@ -148,8 +149,8 @@ contains
    pure real(wp) function cut_at(grid, wall, place, direction, sense) result(at)
       type(grid_t), intent(in) :: grid
       type(wall_t), intent(in) :: wall
-      real(wp), intent(in) :: place(3)               !! Of the node outside [m]
-      integer, intent(in) :: direction               !! Of the edge
+      real(wp), intent(in) :: place(3)               !! Position of the node outside [m]
+      integer, intent(in) :: direction               !! Direction of the edge
       real(wp), intent(in) :: sense                  !! 1 upwards, -1 downwards [1]
       real(wp) :: low, high, x(3)
       integer :: n

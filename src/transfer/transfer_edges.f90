@@ -15,8 +15,8 @@ module transfer_edges
 
    public :: add_edge_sums, edge_integrals, gather_edge_gradient, low_end
 
-   integer, parameter, public :: edges = lanes/2     !! Of a cell along a direction
-   integer, parameter, public :: cell_edges = 3*edges !! Of a cell, direction by direction
+   integer, parameter, public :: edges = lanes/2     !! Number of edges of a cell along a direction
+   integer, parameter, public :: cell_edges = 3*edges !! Edges of a cell, by direction
    integer, parameter :: one(3) = [3, 1, 1]          !! First of the other directions
    integer, parameter :: other(3) = [2, 3, 2]        !! Second of them
 
@@ -61,7 +61,7 @@ contains
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
-      real(wp), contiguous, intent(in) :: factor(:, 0:)      !! (edge, cell) Of edges [1]
+      real(wp), contiguous, intent(in) :: factor(:, 0:)      !! (edge, cell) Factor of each edge [1]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
@@ -120,7 +120,7 @@ contains
 
    !> Lane of the lower end of an edge; that of the upper end has one bit more.
    pure integer function low_end(direction, edge) result(lane)
-      integer, intent(in) :: direction                       !! Of the edge
+      integer, intent(in) :: direction                       !! Direction of the edge
       integer, intent(in) :: edge                            !! 1 to 4
 
       lane = 1 + ishft(ibits(edge - 1, 0, 1), lane_bit(one(direction))) &
@@ -131,8 +131,8 @@ contains
    !! their product.
    pure subroutine find_slope(grid, direction, component, node, factor, velocity, scale, u)
       type(grid_t), intent(in) :: grid
-      integer, intent(in) :: direction                       !! Of the slope
-      integer, intent(in) :: component                       !! Of the velocity
+      integer, intent(in) :: direction                       !! Direction of the slope
+      integer, intent(in) :: component                       !! Component of the velocity
       integer, intent(in) :: node                            !! First node of the cell
       real(wp), intent(in) :: factor(edges)                  !! (edge) [1]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
@@ -156,8 +156,8 @@ contains
    pure subroutine blend_plane(low, high, u, w, across, x, z, alpha, slopes)
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last index
-      real(wp), intent(in) :: u(edges)                       !! (term) Of the slope
-      real(wp), intent(in) :: w(lanes)                       !! (term) Of the polynomial
+      real(wp), intent(in) :: u(edges)                       !! (term) Coefficients of the slope
+      real(wp), intent(in) :: w(lanes) !! (term) Coefficients of the polynomial
       real(wp), contiguous, intent(in) :: across(:)          !! (particle) Coordinate across
       real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Local coordinates [1]
       real(wp), contiguous, intent(in) :: alpha(:)           !! (particle) Weight of the slope [1]
@@ -178,8 +178,8 @@ contains
    pure subroutine blend_space(low, high, u, w, across, aside, x, y, z, alpha, slopes)
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last index
-      real(wp), intent(in) :: u(edges)                       !! (term) Of the slope
-      real(wp), intent(in) :: w(lanes)                       !! (term) Of the polynomial
+      real(wp), intent(in) :: u(edges)                       !! (term) Coefficients of the slope
+      real(wp), intent(in) :: w(lanes) !! (term) Coefficients of the polynomial
       real(wp), contiguous, intent(in) :: across(:), aside(:) !! (particle) Coordinates across
       real(wp), contiguous, intent(in) :: x(:), y(:), z(:)   !! (particle) Local coordinates [1]
       real(wp), contiguous, intent(in) :: alpha(:)           !! (particle) Weight of the slope [1]

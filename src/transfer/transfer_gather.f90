@@ -17,7 +17,7 @@ module transfer_gather
    public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_motion, gather_values, &
       gather_vector
 
-   integer, parameter :: tensor = 12                 !! Of its components three have no meaning
+   integer, parameter :: tensor = 12                 !! Nine components and three unused elements
    integer, parameter :: one(3) = [3, 1, 1]          !! First of the other directions
    integer, parameter :: other(3) = [2, 3, 2]        !! Second of them
    !> Terms with the coordinate along a direction: alone, with that of the first of the other
@@ -144,8 +144,8 @@ contains
    !! polynomials of a tensor.
    ! gate: long kernel because its columns have lengths of their own
    pure subroutine blend_slopes(u, w, before, rows, local, shares, alpha, columns, slopes)
-      real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Of the vector
-      real(wp), intent(in) :: w(tensor, lanes)                    !! (component, term) Of the tensor
+      real(wp), intent(in) :: u(4, lanes) !! (component, term) Coefficients of the vector
+      real(wp), intent(in) :: w(tensor, lanes) !! (component, term) Coefficients of the tensor
       integer, intent(in) :: before                          !! Rows before the lanes
       integer, intent(in) :: rows                            !! Length of the next
       real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Local coordinates [1]

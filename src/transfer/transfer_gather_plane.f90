@@ -15,9 +15,9 @@ module transfer_gather_plane
 
    public :: dual_gradient_plane, gradient_plane, motion_plane
 
-   integer, parameter :: terms = 4                   !! Of a polynomial
+   integer, parameter :: terms = 4                   !! Number of terms of a polynomial
    integer, parameter :: vector = 3                  !! Components of a vector
-   integer, parameter :: tensor = 9                  !! Of a tensor
+   integer, parameter :: tensor = 9                  !! Number of components of a tensor
    integer, parameter :: in_plane(2) = [1, 3]        !! Components of a vector in the plane
    integer, parameter :: in_tensor(4) = [1, 3, 7, 9] !! Components of a tensor: xx, zx, xz, zz
    !> Components of a tensor with y, which are zero: yx, xy, yy, zy, yz.
@@ -127,8 +127,8 @@ contains
    !! so that a uniform field has slopes of exactly zero. The node field is a one-dimensional array.
    pure subroutine find_terms(along_x, along_z, numbers, nodes, scale, u)
       integer, intent(in) :: along_x                 !! Numbers to the next node along x
-      integer, intent(in) :: along_z                 !! The same along z
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: along_z                 !! Offset to the next node along z
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor
       real(wp), intent(inout) :: u(numbers, terms)   !! (component and node, term)
@@ -231,7 +231,7 @@ contains
       integer, intent(in) :: nodes                           !! Nodes of the tile
       integer, intent(in) :: node                            !! First node of the cell
       real(wp), intent(in) :: u(vector, nodes, terms)        !! (component, node, term) Gain [m/s]
-      real(wp), intent(in) :: c(vector, nodes, terms)        !! (component, node, term) Way [m]
+      real(wp), intent(in) :: c(vector, nodes, terms) !! (component, node, term) Displacement [m]
       real(wp), intent(in) :: flip_fraction                  !! Fraction of the old velocity [1]
       real(wp), contiguous, intent(in) :: x(:), z(:)         !! Local coordinates [1]
       real(wp), contiguous, intent(inout) :: vx(:), vz(:)    !! (particle) Velocity [m/s]

@@ -138,10 +138,10 @@ contains
    pure subroutine find_polynomial(grid, cell, component, scale, nodes, u)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
-      integer, intent(in) :: component                       !! Of the field
+      integer, intent(in) :: component                       !! Component of the field
       real(wp), intent(in) :: scale                          !! Factor
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (component, node)
-      real(wp), intent(inout) :: u(lanes)                    !! Of 1, x, z, xz, y, xy, yz, xyz
+      real(wp), intent(inout) :: u(lanes) !! Coefficients of 1, x, z, xz, y, xy, yz, xyz
       integer :: lane, base, last
 
       base = grid%first_node(cell)
@@ -165,13 +165,13 @@ contains
 
    !> Values of polynomials with all terms at eight particles.
    pure subroutine find_space(columns, rows, u, p, length, local, depth, values)
-      integer, intent(in) :: columns                         !! Of the values
-      integer, intent(in) :: rows                            !! The same, a multiple of four
+      integer, intent(in) :: columns                         !! Number of columns of the values
+      integer, intent(in) :: rows !! Columns, rounded up to a multiple of four
       real(wp), intent(in) :: u(rows, lanes)                 !! (column, term) Coefficients
       integer, intent(in) :: p                               !! First of the particles
-      integer, intent(in) :: length                          !! Of a column of the next
+      integer, intent(in) :: length                          !! Length of a column of `local`
       real(wp), intent(in) :: local(length, 3)               !! (particle, 3) Local coordinates
-      integer, intent(in) :: depth                           !! Of a column of the next
+      integer, intent(in) :: depth                           !! Length of a column of `values`
       real(wp), intent(inout) :: values(depth, columns)      !! (particle, column)
       integer :: c
 
@@ -182,7 +182,7 @@ contains
 
    !> Values of a polynomial at eight particles.
    pure subroutine evaluate_space(rows, u, x, y, z, values)
-      integer, intent(in) :: rows                            !! From term to term
+      integer, intent(in) :: rows                            !! Distance between terms in the array
       real(wp), intent(in) :: u(rows*(lanes - 1) + 1)        !! Coefficients
       real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Local coordinates [1]
       real(wp), intent(inout) :: values(lanes)               !! (lane)
@@ -199,13 +199,13 @@ contains
 
    !> Values of polynomials of x and z at four particles.
    pure subroutine find_plane(columns, rows, u, p, length, local, depth, values)
-      integer, intent(in) :: columns                         !! Of the values
-      integer, intent(in) :: rows                            !! The same, a multiple of four
+      integer, intent(in) :: columns                         !! Number of columns of the values
+      integer, intent(in) :: rows !! Columns, rounded up to a multiple of four
       real(wp), intent(in) :: u(rows, plane_terms)           !! (column, term) Coefficients
       integer, intent(in) :: p                               !! First of the particles
-      integer, intent(in) :: length                          !! Of a column of the next
+      integer, intent(in) :: length                          !! Length of a column of `local`
       real(wp), intent(in) :: local(length, 3)               !! (particle, 3) Local coordinates
-      integer, intent(in) :: depth                           !! Of a column of the next
+      integer, intent(in) :: depth                           !! Length of a column of `values`
       real(wp), intent(inout) :: values(depth, columns)      !! (particle, column)
       integer :: c
 
@@ -233,10 +233,10 @@ contains
    pure subroutine find_terms(components, rows, node, ways, numbers, nodes, scale, u)
       !$omp declare target
       integer, intent(in) :: components              !! Numbers per node
-      integer, intent(in) :: rows                    !! The same, a multiple of four
+      integer, intent(in) :: rows                    !! Columns, rounded up to a multiple of four
       integer, intent(in) :: node                    !! First node of the cell
       integer, intent(in) :: ways(lanes)             !! Offset of the numbers of a node
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor
       real(wp), intent(inout) :: u(rows, lanes)      !! (component, term)
@@ -255,10 +255,10 @@ contains
    !> The same for a cell with the last node of the tile, at the end of the array.
    pure subroutine find_last_terms(components, rows, before, ways, numbers, nodes, scale, u)
       integer, intent(in) :: components              !! Numbers per node
-      integer, intent(in) :: rows                    !! The same, a multiple of four
+      integer, intent(in) :: rows                    !! Columns, rounded up to a multiple of four
       integer, intent(in) :: before                  !! Numbers before those of the first node
       integer, intent(in) :: ways(lanes)             !! Offset of the numbers of a node
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor
       real(wp), intent(inout) :: u(rows, lanes)      !! (component, term)
@@ -280,10 +280,10 @@ contains
    pure subroutine take_differences(before, ways, numbers, nodes, scale, rows, u)
       integer, intent(in) :: before                  !! Numbers before those of the first node
       integer, intent(in) :: ways(lanes)             !! Offset of the numbers of a node
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor
-      integer, intent(in) :: rows                    !! From term to term
+      integer, intent(in) :: rows                    !! Distance between terms in the array
       real(wp), intent(inout) :: u(rows*(lanes - 1) + 4) !! (component and term)
       real(wp) :: u1, u2, u3, u4, u5, u6, u7, u8
       integer :: c
@@ -316,10 +316,10 @@ contains
    !> The same in a plane or on a line: the terms 1, x, z, xz, of which a line uses the first two.
    pure subroutine find_plane_terms(components, rows, node, ways, numbers, nodes, u)
       integer, intent(in) :: components              !! Numbers per node
-      integer, intent(in) :: rows                    !! The same, a multiple of four
+      integer, intent(in) :: rows                    !! Columns, rounded up to a multiple of four
       integer, intent(in) :: node                    !! First node of the cell
       integer, intent(in) :: ways(plane_terms)       !! Offset of the numbers of a node
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(inout) :: u(rows, plane_terms) !! (component, term)
       real(wp) :: padded(rows, plane_terms)
@@ -347,9 +347,9 @@ contains
    pure subroutine take_plane_differences(before, ways, numbers, nodes, rows, u)
       integer, intent(in) :: before                  !! Numbers before those of the first node
       integer, intent(in) :: ways(plane_terms)       !! Offset of the numbers of a node
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
-      integer, intent(in) :: rows                    !! From term to term
+      integer, intent(in) :: rows                    !! Distance between terms in the array
       real(wp), intent(inout) :: u(rows*(plane_terms - 1) + 4) !! (component and term)
       real(wp) :: u1, u2, u3
       integer :: c

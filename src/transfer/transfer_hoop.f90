@@ -15,7 +15,7 @@ module transfer_hoop
    public :: add_hoop_sums, gather_factored_hoop, scatter_factored_hoop
 
    integer, parameter :: corners = 4                 !! Nodes of a cell in a plane
-   !> Of these edges among all of a cell; they are in the order of the nodes
+   !> Indices of these edges among all edges of a cell, in the order of its nodes
    integer, parameter, public :: hoop_edges(corners) = edges + [1, 2, 3, 4]
 
 contains

@@ -24,7 +24,7 @@ module transfer_increments
    type :: increments_t
       private
       integer :: axes = 0                            !! Active directions
-      integer :: axis(3) = 0                         !! Their numbers
+      integer :: axis(3) = 0                         !! Numbers of the directions
       integer :: columns = 0                         !! Columns of the fields
       integer :: moments = no_moments                !! Kind of the moments
       logical :: heats = .false.                     !! Is lost kinetic energy found?
@@ -160,7 +160,7 @@ contains
       integer, intent(in) :: axes                    !! Active directions
       real(wp), intent(in) :: x(3)                   !! Position in the tile along them [m]
       real(wp), intent(in) :: t(3)                   !! Vector along these directions [m/s]
-      real(wp), intent(inout) :: columns(:)          !! Its moments [m2/s]
+      real(wp), intent(inout) :: columns(:)          !! Moments of the increment [m2/s]
 
       select case (axes)
       case (3)
@@ -210,7 +210,7 @@ contains
       class(increments_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       class(basis_t), intent(in) :: basis
-      type(shape_data_t), intent(inout) :: shape     !! Of the tile; gets the values at particles
+      type(shape_data_t), intent(inout) :: shape     !! Gets the values at particles
 
       call shape%reserve_increments(shape%count, self%columns)
       call basis%gather_values(grid, shape, self%nodes, shape%increments)
@@ -371,7 +371,7 @@ contains
    !> Velocity with which the particles move, in all three directions.
    pure subroutine increments_find_way(self, shape)
       class(increments_t), intent(in) :: self
-      type(shape_data_t), intent(inout) :: shape             !! Gets it as its vector [m/s]
+      type(shape_data_t), intent(inout) :: shape !! Gets the increment as its vector [m/s]
       integer :: p, l
 
       shape%vector(:shape%count, :) = 0.0_wp

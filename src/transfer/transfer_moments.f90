@@ -93,7 +93,7 @@ contains
    pure function cell_slope(grid, node, means) result(slope)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: node                            !! First node of the cell
-      real(wp), intent(in) :: means(:, :)                    !! (4, node) Of `divide_moments`
+      real(wp), intent(in) :: means(:, :) !! (4, node) Means from `divide_moments`
       real(wp) :: slope(3)
       real(wp) :: rise(4, 3), matrix(3, 3), changed(3, 3), whole, sense
       integer :: lane, l, k

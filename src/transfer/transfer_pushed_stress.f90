@@ -15,7 +15,7 @@ module transfer_pushed_stress
       real(wp), allocatable :: stress(:, :)          !! (particle of the tile, 6) [Pa]
       !> Of loads on surfaces, if there are any: (particle of the tile, 6) [Pa]
       real(wp), allocatable :: load(:, :)
-      real(wp), allocatable :: density(:, :) !! (particle of the tile, 3) Their force [N/m3]
+      real(wp), allocatable :: density(:, :) !! (particle of the tile, 3) Force of the stress [N/m3]
    contains
       procedure :: reserve_load => pushed_reserve_load !! Ensure capacity for loads
       procedure :: copy => pushed_copy               !! From the particles of a store

@@ -51,7 +51,7 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Of the cell part
+      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Factor of edges
 
       if (grid%dimensions == 3) then
          call space_dual_force(grid, start, first, local, alpha, volume, stress, patch, &

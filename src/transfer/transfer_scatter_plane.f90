@@ -75,7 +75,7 @@ contains
       real(wp), contiguous, intent(in) :: c2(:)              !! Second one
       real(wp), contiguous, intent(in) :: c3(:)              !! Third one
       real(wp), contiguous, intent(in) :: c4(:)              !! Fourth one
-      integer, intent(in) :: number                          !! How many of them are added
+      integer, intent(in) :: number                          !! Number of particles that are added
       integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(corners, 3), b(corners, 3), weight(corners), sums(corners, 4)
@@ -241,7 +241,7 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Of the cell part
+      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Factor of edges
       integer, parameter :: columns(10) = [5, 6, 7, 8, 9, 10, 11, 15, 16, 17]
       real(wp), dimension(corners, 3) :: a, b, c, d, constant, slope
       real(wp) :: sums(corners, 10), x(corners), z(corners), rest_x(corners), rest_z(corners)
@@ -314,7 +314,7 @@ contains
       real(wp), intent(in) :: factor(cell_edges)             !! (edge) [1]
       real(wp), intent(in) :: constant(corners, 3)           !! (lane, direction) [1/m]
       real(wp), intent(in) :: slope(corners, 3)              !! (lane, direction) [1/m]
-      real(wp), intent(inout) :: c(corners, 3), d(corners, 3) !! The same times the factors
+      real(wp), intent(inout) :: c(corners, 3), d(corners, 3) !! Coefficients times the factors
       integer, parameter :: low(corners) = [1, 1, 2, 2]      ! (lane) edge along x
       integer, parameter :: across(corners) = 2*edges + [1, 2, 1, 2] ! (lane) edge along z
 

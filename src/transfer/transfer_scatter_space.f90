@@ -20,7 +20,7 @@ module transfer_scatter_space
 
    integer, parameter :: batch = 64                   !! Particles that are prepared at once
    integer, parameter :: block = 4                   !! Columns that are added at once
-   integer, parameter, public :: edges = lanes/2     !! Of a cell along a direction
+   integer, parameter, public :: edges = lanes/2     !! Number of edges of a cell along a direction
    !> Function of an edge: constant and slope along the first of the two other directions, then
    !! along the second.
    real(wp), parameter, public :: a1(edges) = [1.0_wp, 0.0_wp, 1.0_wp, 0.0_wp]
@@ -123,7 +123,7 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Of the cell part
+      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Factor of edges
       !> The third block begins with two zeros, so that no column after the last one is touched
       integer, parameter :: before(3) = [7, 11, 13]
       real(wp) :: share(start(grid%tile_cells), 3)
@@ -195,7 +195,7 @@ contains
       integer, intent(in) :: start(0:cells)                  !! (0:cells) Particles before a cell
       integer, intent(in) :: skipped                         !! Index offset in the tile
       integer, intent(inout) :: cell                         !! A cell not after that of the first
-      integer, intent(out) :: number                         !! Of particles
+      integer, intent(out) :: number                         !! Number of particles
 
       do while (start(cell + 1) <= skipped)
          cell = cell + 1
@@ -406,8 +406,8 @@ contains
 
    !> Add the forces of edges along y and z to the nodes.
    pure subroutine add_ends(y, z, sums)
-      real(wp), intent(in) :: y(edges)                       !! (along x, z) Of edges along y
-      real(wp), intent(in) :: z(2, 2)                        !! (along x, y) Of edges along z
+      real(wp), intent(in) :: y(edges)                       !! (along x, z) Values of edges along y
+      real(wp), intent(in) :: z(2, 2)                        !! (along x, y) Values of edges along z
       real(wp), intent(inout) :: sums(edges, 2)              !! (along x and z, y)
       integer :: e, n
 

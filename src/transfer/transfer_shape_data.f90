@@ -24,7 +24,7 @@ module transfer_shape_data
       integer, allocatable :: node(:)                !! (particle) First node, in the tile
       !> (particle, node, direction) Functions of the nodes from the first one on along a line
       real(wp), allocatable :: weight(:, :, :)
-      real(wp), allocatable :: slope(:, :, :)        !! The same: their mean derivatives [1/m]
+      real(wp), allocatable :: slope(:, :, :)        !! Mean derivatives of the functions [1/m]
       !> (particle, 3) Local coordinate from the second of these nodes on, negative where the first
       !! of them is the first node of the cell [cells]
       real(wp), allocatable :: local(:, :)
@@ -71,7 +71,7 @@ module transfer_shape_data
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) Mapped values
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
       real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]
-      real(wp), allocatable :: increments(:, :)      !! (particle, column) Of `transfer_increments`
+      real(wp), allocatable :: increments(:, :)      !! (particle, column) For `transfer_increments`
    contains
       procedure :: reserve => shape_reserve
       procedure :: reserve_affine => shape_reserve_affine

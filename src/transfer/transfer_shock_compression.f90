@@ -31,8 +31,8 @@ contains
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
-      real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) Its node gradient [1/s]
-      real(wp), contiguous, intent(in) :: strain(:, :)       !! (particle, 9) Of the step [1]
+      real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) Node gradient [1/s]
+      real(wp), contiguous, intent(in) :: strain(:, :)       !! (particle, 9) Strain of the step [1]
       real(wp), contiguous, intent(inout) :: jump(:)         !! (particle) [1]
       real(wp) :: left
       integer :: cell, p
@@ -59,7 +59,7 @@ contains
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
       real(wp), intent(in) :: dt                             !! Time step [s]
-      real(wp), contiguous, intent(in) :: strain(:, :)       !! (particle, 9) Of the step [1]
+      real(wp), contiguous, intent(in) :: strain(:, :)       !! (particle, 9) Strain of the step [1]
       real(wp), contiguous, intent(inout) :: jump(:)         !! (particle) [1]
       real(wp) :: least, hoop, whole
       integer :: cell, p

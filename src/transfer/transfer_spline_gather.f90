@@ -152,7 +152,7 @@ contains
       integer, intent(in) :: number                          !! Their number
       integer, intent(in) :: rows                            !! Length of the next
       real(wp), intent(in) :: functions(rows, line, 3)       !! (particle, node, direction)
-      real(wp), intent(inout) :: copy(batch, line, 3)        !! The same for some particles
+      real(wp), intent(inout) :: copy(batch, line, 3)        !! Functions of some particles
       integer :: p, n, direction
 
       do direction = 1, 3
@@ -167,7 +167,7 @@ contains
    !> Values at some particles.
    pure subroutine find_values(reach, number, w, node, stride, nodes, u, found)
       integer, intent(in) :: reach                           !! Nodes along a line
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
       integer, intent(in) :: stride(3) !! Distance from node to node in the array
@@ -184,7 +184,7 @@ contains
 
    !> Values at particles that touch three nodes along each direction.
    pure subroutine find_values_three(number, w, node, stride, nodes, u, found)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
       integer, intent(in) :: stride(3) !! Distance from node to node in the array
@@ -219,9 +219,9 @@ contains
 
    !> Derivatives at particles that touch three nodes along each direction.
    pure subroutine find_slopes_three(number, w, s, node, stride, nodes, u, found)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
-      real(wp), intent(in) :: s(batch, line, 3)              !! The same: derivatives [1/m]
+      real(wp), intent(in) :: s(batch, line, 3)              !! Derivatives of the functions [1/m]
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
       integer, intent(in) :: stride(3) !! Distance from node to node in the array
       integer, intent(in) :: nodes                           !! Nodes of the tile
@@ -268,7 +268,7 @@ contains
 
    !> Values at particles that touch four nodes along each direction.
    pure subroutine find_values_four(number, w, node, stride, nodes, u, found)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
       integer, intent(in) :: stride(3) !! Distance from node to node in the array
@@ -305,9 +305,9 @@ contains
 
    !> Derivatives at particles that touch four nodes along each direction.
    pure subroutine find_slopes_four(number, w, s, node, stride, nodes, u, found)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
-      real(wp), intent(in) :: s(batch, line, 3)              !! The same: derivatives [1/m]
+      real(wp), intent(in) :: s(batch, line, 3)              !! Derivatives of the functions [1/m]
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
       integer, intent(in) :: stride(3) !! Distance from node to node in the array
       integer, intent(in) :: nodes                           !! Nodes of the tile

@@ -86,7 +86,7 @@ contains
       integer, intent(in) :: high                            !! Last index
       integer, intent(in) :: rows                            !! Length of columns
       real(wp), intent(in) :: x(rows, line), z(rows, line)   !! (particle, node) Functions
-      real(wp), intent(in) :: u(line, line)                  !! (along x, along z) On the nodes
+      real(wp), intent(in) :: u(line, line) !! (along x, along z) Values on the nodes
       real(wp), contiguous, intent(inout) :: values(:)       !! (particle)
       integer :: p
 
@@ -107,8 +107,8 @@ contains
       integer, intent(in) :: high                            !! Last index
       integer, intent(in) :: rows                            !! Length of columns
       real(wp), intent(in) :: x(rows, line), z(rows, line)   !! (particle, node) Functions
-      real(wp), intent(in) :: dx(rows, line), dz(rows, line) !! Their derivatives [1/m]
-      real(wp), intent(in) :: u(line, line)                  !! (along x, along z) On the nodes
+      real(wp), intent(in) :: dx(rows, line), dz(rows, line) !! Derivatives of the functions [1/m]
+      real(wp), intent(in) :: u(line, line) !! (along x, along z) Values on the nodes
       real(wp), contiguous, intent(inout) :: along_x(:)      !! (particle)
       real(wp), contiguous, intent(inout) :: along_z(:)      !! (particle)
       real(wp) :: s1, s2, s3, s4

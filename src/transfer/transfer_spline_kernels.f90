@@ -24,10 +24,10 @@ module transfer_spline_kernels
    type :: lines_t
       integer :: before(batch)                       !! (particle) Numbers before the first node
       real(wp) :: x(batch, line)                     !! (particle, node) Functions along x
-      real(wp) :: slope_x(batch, line)               !! Their derivatives [1/m]
+      real(wp) :: slope_x(batch, line)               !! Derivatives along x [1/m]
       real(wp) :: yz(batch, line, line)              !! (particle, y, z) Products along y and z
-      real(wp) :: slope_y(batch, line, line)         !! The same with derivatives along y [1/m]
-      real(wp) :: slope_z(batch, line, line)         !! The same with derivatives along z [1/m]
+      real(wp) :: slope_y(batch, line, line)         !! Functions with derivatives along y [1/m]
+      real(wp) :: slope_z(batch, line, line)         !! Functions with derivatives along z [1/m]
    end type lines_t
 
 contains
@@ -172,7 +172,7 @@ contains
    ! gate: long kernel because arrays are given by their sizes
    pure subroutine add_values(reach, number, lines, values, up, numbers, sums)
       integer, intent(in) :: reach                           !! Nodes along a line
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       type(lines_t), intent(in) :: lines
       real(wp), intent(in) :: values(columns, batch)         !! (column, particle)
       integer, intent(in) :: up(3)                           !! Numbers from node to node
@@ -306,7 +306,7 @@ contains
 
    !> Add the force of the loads of some particles that touch three nodes along each direction.
    pure subroutine add_loads_three(number, lines, load, up, numbers, sums)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       type(lines_t), intent(in) :: lines
       real(wp), intent(in) :: load(columns, 3, batch)        !! (component, direction, particle)
       integer, intent(in) :: up(3)                           !! Numbers from node to node
@@ -342,7 +342,7 @@ contains
 
    !> Add the force of the loads of some particles that touch four nodes along each direction.
    pure subroutine add_loads_four(number, lines, load, up, numbers, sums)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       type(lines_t), intent(in) :: lines
       real(wp), intent(in) :: load(columns, 3, batch)        !! (component, direction, particle)
       integer, intent(in) :: up(3)                           !! Numbers from node to node
@@ -431,7 +431,7 @@ contains
 
    !> Add three fields of a line with their factors.
    pure subroutine add_field(factor, x, y, z, before, numbers, sums)
-      real(wp), intent(in) :: factor(3)                      !! Of the three fields
+      real(wp), intent(in) :: factor(3)                      !! Factor of each of the three fields
       real(wp), intent(in) :: x(columns*line)                !! (column and node) First field
       real(wp), intent(in) :: y(columns*line)                !! Second one
       real(wp), intent(in) :: z(columns*line)                !! Third one

@@ -126,7 +126,7 @@ contains
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: rows                            !! Length of the next three
       real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
-      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
+      real(wp), intent(in) :: slope(rows, line, 3)           !! Derivatives of the functions [1/m]
       integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
       !> (component, direction, particle of the tile) [N m]
       real(wp), contiguous, intent(in) :: load(:, :, :)

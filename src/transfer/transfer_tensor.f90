@@ -32,7 +32,7 @@ module transfer_tensor
       procedure :: scatter_stress => tensor_scatter_stress !! Force of the stress
       procedure :: gather_values => tensor_gather_values !! Node values to particles
       procedure :: gather_motion => tensor_gather_motion !! Velocity and position
-      procedure :: gather_gradient => tensor_gather_gradient !! Their gradients
+      procedure :: gather_gradient => tensor_gather_gradient !! Gradients of the values
       procedure :: gather_affine => tensor_gather_affine !! Linear velocity field
    end type basis_tensor_t
 

@@ -33,7 +33,7 @@ module transfer_velocity
       procedure :: turning => velocity_turning       !! True if particles carry the rotation only
       procedure :: flip_fraction => velocity_flip_fraction
       procedure :: sweeps => velocity_sweeps         !! Terms n of the series
-      procedure :: first_term => velocity_first_term !! Its first term
+      procedure :: first_term => velocity_first_term !! First term of the series
       procedure :: loss_weight => velocity_loss_weight !! Weight of its terms in the lost energy
       procedure :: velocity_increment => velocity_increment !! Velocity increment of particles
       procedure :: advection_velocity => velocity_advection !! Advection velocity of particles
@@ -137,7 +137,7 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
-      real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y_n [m/s]
+      real(wp), contiguous, intent(in) :: last(:, :) !! (3, node) Last term y_n of the series [m/s]
       real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Dissipated energy [J/kg]
       real(wp), allocatable, intent(inout) :: fields(:, :) !! (column, node) At most nine columns
       real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) A tenth one
@@ -166,8 +166,8 @@ contains
       class(basis_t), intent(in) :: basis
       integer, intent(in) :: first                           !! First particle of the tile
       type(shape_data_t), intent(inout) :: shape
-      real(wp), contiguous, intent(in) :: fields(:, :)       !! (column, node) Of `heat_fields`
-      real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) Of `heat_fields`
+      real(wp), contiguous, intent(in) :: fields(:, :) !! (column, node) Fields as `heat_fields`
+      real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) Scalar as in `heat_fields`
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
 

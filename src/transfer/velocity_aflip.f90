@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> In AFLIP particles carry a linear velocity field to the nodes as with APIC and receive increments
-!! as with FLIP: Y. Fei, Q. Guo, R. Wu, L. Huang, M. Gao, ACM Trans. Graph. 40 (2021) 109, without
-!! the part for separation. Equations (T.1) and (T.3) of doc/theory/transfers.md.
+!! as with FLIP: Y. Fei, Q. Guo, R. Wu, L. Huang, M. Gao, ACM Trans. Graph. 40 (2021) 109, but
+!! without its treatment of separation. Equations (T.1) and (T.3) of doc/theory/transfers.md.
 module velocity_aflip
    use base_schema, only: schema_t
    use velocity_flip, only: velocity_flip_t

@@ -57,7 +57,7 @@ contains
       if (power == 1) weight = 0.0_wp
    end function fmpm_loss_weight
 
-   !> The sum of the series is all.
+   !> The new velocity is the sum of the series alone.
    pure subroutine fmpm_increment(self, dt, acceleration, filtered, increment)
       class(velocity_fmpm_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
@@ -91,7 +91,7 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
-      real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y [m/s]
+      real(wp), contiguous, intent(in) :: last(:, :) !! (3, node) Last term y of the series [m/s]
       real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Dissipated energy [J/kg]
       real(wp), allocatable, intent(inout) :: fields(:, :)   !! (9, node) u, a dt, y
       real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) [J/kg]

@@ -67,7 +67,7 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
-      real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y [m/s]
+      real(wp), contiguous, intent(in) :: last(:, :) !! (3, node) Last term y of the series [m/s]
       real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Dissipated energy [J/kg]
       real(wp), allocatable, intent(inout) :: fields(:, :)   !! (9, node) w, a dt, y
       real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) [J/kg]

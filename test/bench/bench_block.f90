@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Particle updates a second of an elastic block that flies: whole steps with sorting, no output.
+!> Measures the particle updates per second of an elastic block in flight: whole steps with sorting,
+!! without output.
 !!
 !! bench_block [CELLS] [ddmp|mpm|BASIS] [STEPS] [TRANSFER]   cells along each edge, 8 particles a
-!! cell,
-!! flying at 0.1 of its sound speed along a diagonal, in a box a quarter larger that is periodic.
+!! cell, flying at 0.1 of its sound speed along a diagonal, in a box a quarter larger that is
+!! periodic.
 program bench_block
    use base_communicator, only: communicator_t
    use base_error, only: error_t

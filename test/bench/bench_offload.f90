@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The kernels of a step of the plain method on a device: particles to nodes, nodes, nodes to
-!! particles, for an elastic block with linear functions, whose particles stay in their cells.
+!> Runs the kernels of a step of the plain method on a device: particles to nodes, nodes, nodes to
+!! particles, for an elastic block with linear shape functions, whose particles stay in their cells.
 !!
 !! bench_offload [TILES] [STEPS]   tiles along each edge, of 6 x 6 x 6 cells with 8 particles
 !!
-!! The steps are done twice, by threads of this machine and on the device, with the kernels of the
+!! The steps are done twice, by threads of the host and on the device, with the kernels of the
 !! program, and must end in the same bits. Without -DSCREE_OFFLOAD=ON, without a device, and with
-!! OMP_TARGET_OFFLOAD=DISABLED the device is this machine. doc/developer/offload.md.
+!! OMP_TARGET_OFFLOAD=DISABLED the host takes the part of the device. doc/developer/offload.md.
 program bench_offload
    use base_kinds, only: wp
    use bench_offload_block, only: block_t

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Time and memory of a restart with many particles, without a law of the material.
+!> Measures time and memory of a restart with many particles, without a material model.
 !!
 !! bench_restart write FOLDER TILES    writes a checkpoint of a cube with TILES tiles along an edge
 !! bench_restart read FOLDER TILES     reads it, counts the tiles, and cuts the curve

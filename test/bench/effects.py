@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What each effect costs: instructions, time and memory of a small scene with it off, never named, on.
+"""Cost of each effect: instructions, time and memory of a small scene with the effect off, not named in the deck, and
+on.
 
     python3 test/bench/effects.py --scree build/bin/scree --work /tmp/effects [--only NAME ...] [--write FILE]
 
-Instructions are counted by `valgrind --tool=callgrind` in the steps alone and so do not depend on what
-else the machine does; the time is that of the processor, the best of some runs of one
-thread, and is rough. What is off must cost as
-much as what is never named: within 1 % of the instructions, with the same bytes and the same bits.
+Instructions are counted by `valgrind --tool=callgrind` in the steps alone, so they do not depend on the load of the
+machine. The time is processor time, the best of some runs with one thread, and is approximate. An effect that is off
+must cost as much as one that the deck does not name: within 1 % of the instructions, with the same memory and the same
+bits.
 """
 
 import argparse
@@ -57,18 +58,18 @@ MU = "strength_model='mu_i'  mu_s=0.4  mu_2=0.7  mu_i0=0.3  grain_diameter=1.0e-
 
 
 def scene(effects=PLAIN, material=ELASTIC, method=""):
-    """A deck, but for its steps."""
+    """A deck without the number of its steps."""
     return SCENE.replace("{effects}", effects).replace("{material}", material).replace("{method}", method)
 
 
 def switch(key, effects=PLAIN, material=ELASTIC, more=""):
-    """The scenes of a switch of &effects: off, never named, on."""
+    """The scenes of a switch of &effects: off, not named, on."""
     return (scene(f"{effects}  {key}=.false.", material), scene(effects, material),
             scene(f"{effects}  {key}=.true.", f"{material}  {more}"))
 
 
 def model(material, base=ELASTIC):
-    """The scenes of a model that takes the place of a simpler one."""
+    """The scenes of a model that replaces a simpler one."""
     return None, scene(material=base), scene(material=material)
 
 
@@ -122,7 +123,8 @@ EFFECTS = {
 
 
 def write_table(path):
-    """64 densities and temperatures of a soft solid: p = c (rho - 1000) + 20 (T - 293), e that belongs to it."""
+    """64 densities and temperatures of a soft solid: p = c (rho - 1000) + 20 (T - 293), with the consistent energy
+    e."""
     lines = []
     for density in (500.0 + 1000.0 * i / 63 for i in range(64)):
         cold = 1.0e3 * (math.log(density / 1000.0) + 1000.0 / density - 1.0) + 20.0 * 293.0 / density
@@ -153,7 +155,7 @@ class Bench:
         return done.stdout, json.loads((folder / "scene.summary.json").read_text(encoding="utf-8"))
 
     def instructions(self, deck):
-        """Instructions for a particle and step, bytes for a particle, digest."""
+        """Instructions per particle and step, bytes per particle, and the digest."""
         if deck not in self.counted:
             output, summary = self.run(deck, STEPS, (
                 "valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--toggle-collect={STEP}"))
@@ -162,7 +164,7 @@ class Bench:
         return self.counted[deck]
 
     def nanoseconds(self, deck, repeats=5):
-        """Time of the processor for a particle and step [ns], the best of some runs without the start."""
+        """Processor time per particle and step [ns], the best of some runs, without the start."""
         if deck not in self.timed:
             best = {}
             for steps in (STEPS, TIMED_STEPS) * repeats:
@@ -175,7 +177,7 @@ class Bench:
 
 
 def main():
-    """Print the table; exit code 1 if something that is off costs."""
+    """Print the table; exit code 1 if an effect that is off costs instructions or memory."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scree", required=True)
     parser.add_argument("--work", required=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The files of the project, and what gates need to know of Fortran."""
+"""The files of the project, and what the gates need to know about Fortran."""
 
 import re
 from pathlib import Path
@@ -30,7 +30,7 @@ def project_files(*suffixes, under=""):
 
 
 def place(path, number):
-    """Text that editors and people can follow."""
+    """Path and line as text that an editor can follow."""
     return f"{path.relative_to(ROOT)}:{number}"
 
 
@@ -40,7 +40,7 @@ def lines_of(path):
 
 
 def code_of(line):
-    """A line without its comment and its outer blanks; quotes are respected."""
+    """A line without its comment and without leading and trailing blanks; quotes are respected."""
     quote = ""
     for position, letter in enumerate(line):
         if quote:
@@ -120,7 +120,7 @@ class Module:
                 self.bindings.setdefault(self.types[-1][0], set()).update(names)
 
     def interface(self):
-        """Names of the procedures that other modules can call: public ones, bound to public types."""
+        """Names of the procedures that other modules can call: public ones, and those bound to public types."""
         names = set(self.public)
         for name, bound in self.bindings.items():
             if name in self.public:

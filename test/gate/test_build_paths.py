@@ -2,8 +2,8 @@
 # tiers: smoke
 """Programs, libraries and modules contain no path of the folder in which they were built.
 
-Would catch a source that the compiler is given by its whole path, and flags with such a path in --version: then two
-builds of one commit differ, and a package tells where it was built.
+Would catch a source that is passed to the compiler with its absolute path, and compiler flags in --version that contain
+such a path: then two builds of one commit would differ, and a package would show where it was built.
 """
 
 import gzip
@@ -12,7 +12,7 @@ import case
 
 
 def files_of(build):
-    """What is installed from a build."""
+    """The files that an installation of a build contains."""
     return [build / "bin/scree", *build.glob("lib/libscree.so"), *sorted((build / "modules").rglob("*.mod"))]
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The documents agree with the program and with each other.
 
-Would catch a link or a file name that leads nowhere, a document that nobody reads to its end, a key, field or
-column that was added or renamed without a word, and printed examples that the program no longer prints.
+Would catch a link or a file name that leads nowhere, a document that is too long to be read, a key, field or column
+that was added or renamed without a change of the documents, and printed examples that the program no longer prints.
 """
 
 import os
@@ -16,7 +16,7 @@ from pathlib import Path
 from sources import ROOT, lines_of, place, project_files
 
 LONGEST = 250
-# by scripts: as long as there are keys and scenes
+# lists that scripts generate, whose length follows from the number of keys and scenes
 WRITTEN = {ROOT / "doc" / "reference" / "keys.md", ROOT / "doc" / "reference" / "messages.md",
            ROOT / "doc" / "gallery.md"}
 DOCUMENTS = project_files(".md")
@@ -32,7 +32,7 @@ SCENE = "input/two_discs/scene.nml"
 
 
 def scree(options, *arguments, folder=ROOT):
-    """Exit code and all that the program prints."""
+    """Exit code and all output of the program."""
     answer = subprocess.run([options.scree, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
     return answer.returncode, answer.stdout + answer.stderr
 
@@ -51,7 +51,7 @@ def first_cells(path, heading):
 
 
 class TestDocumentGate:
-    """One rule a test; all offences are listed."""
+    """One rule per test; all violations are listed."""
 
     def none(self, offences):
         assert len(offences) == 0, "\n" + "\n".join(offences)
@@ -89,7 +89,7 @@ class TestDocumentGate:
                    if path.parts[len(ROOT.parts)] in ("doc", "input") and path.resolve() not in linked])
 
     def test_shapes_are_listed(self, options):
-        """Would catch a shape that the deck knows and --list does not."""
+        """Would catch a shape that a deck accepts and `--list` does not show."""
         said = scree(options, "--explain", "region.shape")[1]
         assert f"one of: {scree(options, '--list', 'shapes')[1].strip()}\n" in said
 
@@ -121,7 +121,7 @@ class TestDocumentGate:
         assert code == 0, text
         command = f"$ build/bin/scree --check {SCENE}\n"
         shown = [block for block in blocks(FIRST_STEPS, "console") if block.startswith(command)]
-        # how long it takes is another matter on every machine
+        # the time that it takes depends on the machine
         said, told = (re.sub(r"estimate .*", "estimate", words) for words in
                       (command + text, shown[0]))
         assert said == told
@@ -139,7 +139,7 @@ class TestDocumentGate:
         command, script = shown.split("\n", 1)
         code, text = scree(options, *command.split()[2:])
         assert code == 0, text
-        # the program is named by its whole path, wherever that is here
+        # the output shows the absolute path of the program, which differs between machines
         assert text.replace(f"srun {shlex.quote(str(options.scree))} ", "srun build/bin/scree ") == script
 
     def test_printed_examples(self, options):

@@ -2,11 +2,10 @@
 # tiers: smoke
 """Equations of the theory pages have numbers, and the sources that implement them cite these.
 
-Would catch a number that is given twice or left out, an equation without one, or in the middle of a paragraph,
-where its number is not shown, an equation that no source implements (or whose source was renamed away), a
-citation of a number that is not there any more after an equation went, a citation that does not say where to
-look, a row of a table with a bar in its mathematics, which cuts it into more cells than the table has, and a
-script that numbers anew but leaves citations behind, or changes examples and code.
+Would catch a number that is used twice or skipped, an equation without one, a number in the middle of a paragraph,
+where it is not shown, an equation that no source implements (or whose source was renamed), a citation of a number that
+no longer exists, a citation that does not name the page, a row of a table with a bar in its mathematics, which is split
+into more cells than the table has, and a renumbering script that omits citations or changes examples and code.
 """
 
 import re
@@ -52,19 +51,19 @@ DOCUMENTS = project_files(".md")
 
 
 def citations(path, lines):
-    """Triples (line, letter, number as text) of what a file cites."""
+    """Triples (line, letter, number as text) of the citations in a file."""
     return [(at, found.group(1), ".".join(found.groups())) for at, line in enumerate(lines, 1)
             for found in CITED.finditer(line)]
 
 
 def source_citations():
-    """What comments of the sources cite, by file."""
+    """Citations in the comments of the sources, by file."""
     return {path: citations(path, [comment_of(line) for line in lines_of(path)])
             for path in project_files(".f90", under="src")}
 
 
 class TestEquationGate:
-    """One rule a test; all offences are listed."""
+    """One rule per test; all violations are listed."""
 
     def none(self, offences):
         assert len(offences) == 0, "\n" + "\n".join(offences)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The indentation of src/ is what findent makes of it; skipped where it is not installed."""
+"""The indentation of src/ is that of findent; skipped where it is not installed."""
 
 import shutil
 import subprocess

@@ -16,6 +16,6 @@ PROGRAM = shutil.which("fortitude", path=str(Path(sys.executable).parent)) or sh
 
 @pytest.mark.skipif(not PROGRAM, reason="fortitude is not installed")
 def test_fortitude():
-    # The settings are in .fortitude.toml, which it finds by itself in this folder.
+    # fortitude finds its settings in .fortitude.toml of this folder without an option
     answer = subprocess.run([PROGRAM, "check", "src"], cwd=ROOT, capture_output=True, text=True, check=False)
     assert answer.returncode == 0, answer.stdout + answer.stderr

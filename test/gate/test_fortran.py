@@ -2,8 +2,8 @@
 # tiers: smoke
 """Rules for the Fortran files of src/ that no compiler checks.
 
-Would catch files and procedures that grow without end, a module that keeps state, a layer that
-reaches past its neighbours, and public names without a word about them.
+Would catch files and procedures that become too long, a module with a state of its own, a module that uses a layer
+above its own, and public names without documentation.
 """
 
 import re
@@ -11,7 +11,7 @@ import re
 from sources import ROOT, Module, code_of, lines_of, place, project_files
 
 FILE_LINES, PROCEDURE_LINES, ARGUMENTS = 500, 60, 8
-# Arguments whose type and name say all.
+# Arguments whose type and name are sufficient documentation.
 EVIDENT = {"self", "simulation", "space", "materials", "stores", "fields", "field", "scheme",
            "effects", "clock", "balance", "machine", "grid", "tile", "error", "deck", "schema"}
 LONG_KERNEL = "! gate: long kernel because "
@@ -36,26 +36,26 @@ ARROWS["output"] = set(ARROWS)
 ARROWS["grains"] = {"base", "mesh", "constitutive", "particle", "io"}
 ARROWS["program"] = set(ARROWS)
 ARROWS["library"] = set(ARROWS)
-# Families of modules whose names begin otherwise than their folder. The products of explosives stand beside their burn,
-# the table of states beside its reading.
+# Families of modules whose names do not begin with the name of their folder: the equation of state of explosives is in
+# the folder of their burn, the table of states in that of its reader.
 FAMILIES = {"law": {"constitutive", "ductile"}, "eos": {"constitutive", "explosive", "tabulated"},
             "damage": {"constitutive", "ductile"}, "basis": {"transfer"}, "velocity": {"transfer"},
             "quadrature": {"ddmp"}, "stream": {"output"}, "boundary": {"mesh"}}
-# Dummy arguments that need no docstring, as type and name say all: derived types, and these names.
+# Dummy arguments that need no docstring, because type and name are sufficient: derived types, and these names.
 DERIVED = re.compile(r"^(?:type|class)\s*\(", re.I)
 PLAIN_NAMES = {"body", "edge", "key", "label", "line", "name", "p", "path", "point", "text", "tile", "unit"}
 SOURCES = project_files(".f90", under="src")
-# The names and the state of mpi_f08 are those of MPI's standard.
+# Names and saved variables of mpi_f08 follow the MPI standard.
 MODULES = [Module(path) for path in SOURCES if path.name not in ("main.f90", "mpi_f08.f90")]
 
 
 def folder_of(module):
-    """The folder of src/ with a module, which may stand in a folder for one variant of the build."""
+    """The folder of src/ that contains a module; a module may be in a subfolder for one variant of the build."""
     return module.path.relative_to(ROOT / "src").parts[0]
 
 
 def documented(lines, line):
-    """True if a `!>` paragraph stands right above a line."""
+    """True if a `!>` paragraph is directly above a line."""
     above = line - 2
     while above >= 0 and lines[above].lstrip().startswith("!"):
         if lines[above].lstrip().startswith("!>"):
@@ -65,13 +65,13 @@ def documented(lines, line):
 
 
 def explains_itself(declaration):
-    """True for a declaration of dummy arguments whose types and names say what they are."""
+    """True for a declaration of dummy arguments whose types and names are sufficient documentation."""
     names = re.findall(r"(\w+)(?:\([^()]*\))?", declaration.split("::")[1].lower())
     return bool(DERIVED.match(declaration)) or set(names) <= PLAIN_NAMES
 
 
 class TestFortranGate:
-    """One rule a test; all offences are listed."""
+    """One rule per test; all violations are listed."""
 
     def none(self, offences):
         assert len(offences) == 0, "\n" + "\n".join(offences)
@@ -100,7 +100,7 @@ class TestFortranGate:
         self.none(offences)
 
     def test_no_setting_in_documentation(self):
-        """A paragraph whose first line begins with a word and a colon is a setting for FORD, and its text is lost."""
+        """FORD takes a paragraph whose first line begins with a word and a colon for a setting, and drops its text."""
         self.none([f"{place(path, number)} begins with a setting for FORD: {line.strip()}"
                    for path in SOURCES for number, line in enumerate(lines_of(path), 1)
                    if re.match(r"\s*!> *\w+:(\s|$)", line)])
@@ -127,7 +127,7 @@ class TestFortranGate:
         self.none(offences)
 
     def test_no_state(self):
-        # a signal handler has no arguments of its own, so one flag cannot live in a type
+        # a signal handler has no arguments of its own, so its flag must be a module variable
         self.none([f"{place(module.path, line)} module variable: {text}"
                    for module in MODULES for line, text in module.variables
                    if (module.name, "volatile") != ("program_signals", *re.findall("volatile", text))])
@@ -193,7 +193,7 @@ class TestFortranGate:
         self.none(offences)
 
     def test_what_explains_itself(self):
-        """The rule itself: numbers need a word about meaning and unit, objects and paths do not."""
+        """The rule itself: numbers need a docstring with meaning and unit, objects and paths do not."""
         for text in ("class(store_t), intent(inout) :: self", "type(error_t), allocatable, intent(out) :: error",
                      "character(len=*), intent(in) :: path", "integer, intent(in) :: tile"):
             assert explains_itself(text), text

@@ -2,7 +2,7 @@
 # tiers: smoke
 """Comments, messages and names of src/ use the terms of the field.
 
-Would catch words that a reader cannot search for ("a number that is none" for NaN), data that speak ("the deck is
+Would catch words that a reader cannot search for ("a number that is none" for NaN), personified data ("the deck is
 told"), and comments that only repeat the declaration (`!! The grid`).
 """
 
@@ -10,7 +10,7 @@ import re
 
 from sources import COVERED, ROOT, code_of, lines_of, place, project_files
 
-# Pattern of a word that is out, and the term to use in its place.
+# Patterns of rejected words, each with the term to use instead.
 OUT = [(re.compile(pattern, re.I), term) for pattern, term in (
     (r"\bwhole numbers?\b", "integer"),
     (r"\bnumbers? that (?:is|are) none\b|\bbad numbers?\b|\b(?:is|are) no numbers?\b", "NaN, not finite"),
@@ -41,17 +41,17 @@ OUT = [(re.compile(pattern, re.I), term) for pattern, term in (
     (r"\bwhat (?:fails|has failed)\b|\bfailed matter\b", "failed material"),
     (r"\bnobody\b|\bwhoever\b", "what is meant"),
 )]
-# Names are split at underscores, and each part is compared.
+# Rejected words in names. Names are split at underscores, and each part is compared.
 OUT_OF_NAMES = {"room", "rooms", "askew", "torn", "wish", "wishes", "ask", "asks", "asked", "books", "booked",
                 "tell", "tells", "told", "settle", "settler", "unsettle", "arrange", "arranger", "arranged", "matter",
                 "culprit", "places", "restless"}
 # Names of other libraries.
 FOREIGN_NAMES = {"omp_get_num_places"}
-# What is no offence, and why.
+# Accepted exceptions, each with its reason.
 EXCEPTIONS = [re.compile(pattern) for pattern in (
     r"(?:node_functions|matter)\.md",  # names of pages of the theory
     r"\bdecimal places\b",  # digits after the point
-    r"[\"']matter[\"']",  # key of &output, as written in decks
+    r"[\"']matter[\"']",  # key of &output in decks
 )]
 REPEATS = re.compile(r"!!\s*(?:It|This|Them|They|Which|(?:The|Which) [a-z]+)\s*$")
 
@@ -66,7 +66,7 @@ def split_line(line):
 
 
 def offences_of(line):
-    """Messages on one line of Fortran."""
+    """Messages about one line of Fortran."""
     code, strings, comment = split_line(line)
     found = []
     for text in [comment, *strings]:
@@ -83,10 +83,10 @@ def offences_of(line):
 
 
 class TestGlossary:
-    """All offences are listed."""
+    """All violations are listed."""
 
     def test_samples(self):
-        """The gate itself: words that are out are found in comments, strings and names, others are not."""
+        """The gate itself: rejected words are found in comments, strings and names, other words are not."""
         bad = ('n = 1  ! a whole number', 'call stop_run("dt is a number that is none")', "integer, intent(in) :: wish",
                "type(grid_t), intent(in) :: grid  !! The grid", "integer, intent(in) :: tile !! Which tile",
                "!> The deck is told all its faults", "call settle_store(store)", "!! It", "!! Energy for the books",

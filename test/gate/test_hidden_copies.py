@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # timeout: 900
 # cores: 2
-"""No slice of an array is copied behind the back of a call.
+"""The compiler does not copy slices of arrays in calls.
 
 Would catch a slice passed to a contiguous argument: the copy made a kernel 7 to 9 times slower.
-The compiler warns of every temporary array; small ones that a line spells out, such as [a, b, c],
-are not meant.
+The compiler warns of every temporary array; small ones that a line writes explicitly, such as [a, b, c], are allowed.
 """
 
 import os
@@ -27,12 +26,12 @@ SLICE = re.compile(r"[\s(,=]*[\w%]+(?:\([^()]*\)%\w+)*\((?=[^()]*:)")
 
 
 def slices(text):
-    """Places of copied slices in the compiler's messages."""
+    """Positions of copied slices in the messages of the compiler."""
     found = []
     for message in MESSAGE.finditer(text):
         source = Path(message["file"])
         line = source.read_text(encoding="utf-8").split("\n")[int(message["line"]) - 1]
-        # a list that is cut to its length once, `key = key(:n)`, copies itself by design
+        # a list that is shortened once, `key = key(:n)`, is copied intentionally
         if re.match(r"\s*(\w+) = \1\(:[\w*]+\)$", line):
             continue
         if SLICE.match(line[int(message["column"]) - 1:]):
@@ -41,7 +40,7 @@ def slices(text):
 
 
 class TestHiddenCopies:
-    """Compiles the folders with loops over particles once more, only for the warnings."""
+    """Compiles the folders with loops over particles again, only for the warnings."""
 
     def messages(self, options, path):
         modules = [f"-I{folder}" for folder in sorted((options.scree.parents[1] / "modules").iterdir())]

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Numbers of the pages are those of their tables, and the script that writes them reads marks as meant.
+"""Numbers on the pages agree with the tables of recorded numbers, and the script that updates them reads its marks
+correctly.
 
-Would catch: a number that was changed by hand in a page, a mark whose number has no source, a number in a table that
-no page shows, a mark that is read as other numbers, a comparison that takes different numbers for equal, a table that
-names a test that is not there.
+Would catch: a number that was changed by hand on a page, a mark whose number has no source, a number in a table that no
+page shows, a mark that is assigned to other numbers, a comparison that accepts different numbers as equal, and a table
+that names a test that does not exist.
 """
 
 from pathlib import Path
@@ -24,12 +25,12 @@ VALUES = {"bar.energy": 0.9341, "bar.a": 0.00312, "bar.b": 0.0148, "bar.cells_20
 
 
 def places():
-    """The places of the sample."""
+    """The positions of the marks in the sample."""
     return document_numbers.places_of(PAGE, TEXT)
 
 
 def test_marks():
-    """Names, texts and factors of a page."""
+    """Names, texts and factors of the marks on a page."""
     found = {place.name: (place.text, place.factor, place.size_only) for place in places()}
     assert found == {
         "bar.energy": ("93", 100.0, False), "bar.a": ("0.3", 100.0, False), "bar.b": ("1.5", 100.0, False),
@@ -39,14 +40,14 @@ def test_marks():
 
 
 def test_rewritten():
-    """New values have the form of the old ones, and the rest of the page stays."""
+    """New values have the format of the old ones, and the rest of the page is unchanged."""
     assert document_numbers.rewritten(TEXT, places(), VALUES) == TEXT.replace("-0.2 %", "0.2 %")
     new = document_numbers.rewritten(TEXT, places(), {**VALUES, "bar.energy": 1.058, "bar.cells_40": -0.013})
     assert ">106<" in new and "| -1.3e-2 (limit 2) |" in new
 
 
 def test_differences():
-    """One unit of the last digit is allowed, and round-off may differ."""
+    """A difference of one unit of the last digit, or of round-off, is accepted."""
     by_name = {place.name: place for place in places()}
     for name, value, different in (("bar.energy", 0.9399, False), ("bar.energy", 0.9401, True),
                                    ("bar.cells_40", 1.601e-3, True), ("bar.cells_40", 1.4e-3, False),
@@ -67,13 +68,13 @@ def test_wrong_marks():
 
 
 def test_names():
-    """Names of what tests record."""
+    """Names of the numbers that tests record."""
     assert measured.slug("ddmp: first minimum of the tip [m].error") == "ddmp_first_minimum_of_the_tip_m.error"
     assert measured.slug("tillotson -0.3, 800 steps") == "tillotson_-0.3_800_steps"
 
 
 def test_comparison_in_a_run(monkeypatch, tmp_path):
-    """What a test measures is compared with the pages, and what it no longer measures is found."""
+    """Numbers measured in a run are compared with the pages, and numbers that are no longer measured are reported."""
     right = document_numbers.places_of(PAGE, TEXT.replace("-0.2 %", "0.2 %"))
     monkeypatch.setattr(measured, "shown", lambda: {place.name: [place] for place in right})
     rows = [{"name": name, "value": value} for name, value in VALUES.items()]
@@ -91,13 +92,13 @@ def test_comparison_in_a_run(monkeypatch, tmp_path):
 
 
 def test_pages():
-    """Pages and tables agree: run scripts/document_numbers.py."""
+    """Pages and tables agree; if not, run scripts/document_numbers.py."""
     assert len(document_numbers.all_places()) > 1000
     assert document_numbers.faults() == []
 
 
 def test_tables():
-    """Tests of the table are there and have the tier; records have their conditions, version and date."""
+    """Tests named in the table exist and have the tier; records have their conditions, version and date."""
     for name, row in document_numbers.table(document_numbers.MEASURED).items():
         path = ROOT / row["test"]
         assert path.is_file() and name.split(".")[0] == path.stem.removeprefix("test_"), name

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The choice of scripts/mutate.py, and the list of mutants in test/mutants.
+"""The choice of mutants by scripts/mutate.py, and the list of mutants in test/mutants.
 
-Would catch a list whose lines are no longer in the sources, a draw that differs between two calls, and mutants of
-comments, of texts or of declarations, which no test can find.
+Would catch a list whose lines are no longer in the sources, a random choice that differs between two calls, and mutants
+of comments, texts or declarations, which no test can find.
 """
 
 import pytest
@@ -71,8 +71,8 @@ def test_line_of_a_procedure(folder):
 
 
 def test_changes(folder):
-    """Of the first statement: the sign, three indices, both operators and one constant; of the condition all but the
-    message; of the last statement its second line too."""
+    """Of the first statement: the sign, three indices, both operators and one constant. Of the condition: all but the
+    message. Of the last statement: also its second line."""
     found = [mutant for here in places.candidates(folder, folder / "src/base/m.f90") for mutant in here]
     after = {mutant.after.strip() for mutant in found if mutant.line == 7}
     rest = "*0.5_wp + 1.0e-12_wp  ! a - b"

@@ -3,8 +3,8 @@
 # timeout: 900
 """FORD writes the reference of the sources without a warning; skipped where it is not installed.
 
-Would catch a comment whose first word is taken for a setting and lost with its text, a comment in a
-place where FORD sees none, and a page of the reference that is not written.
+Would catch a comment whose first word is taken for a setting, so that its text is lost, a comment at a position that
+FORD ignores, and a page of the reference that is not written.
 """
 
 import os
@@ -18,7 +18,7 @@ import pytest
 
 from sources import ROOT, project_files
 
-# A name that one module hands on from another is unknown to FORD where it is handed on.
+# FORD does not know a name that a module makes public from another module.
 NOT_OURS = re.compile(r"Unknown entity '\w+' with attribute 'public'")
 
 PROGRAM = shutil.which("ford", path=str(Path(sys.executable).parent)) or shutil.which("ford")

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The drawing of the folders of src/ in doc/developer/architecture.md follows the sources.
+"""The diagram of the folders of src/ in doc/developer/architecture.md agrees with the sources.
 
-Would catch a drawing that shows arrows which are gone, or lacks new ones, and a folder without a box.
+Would catch a diagram with arrows for dependencies that no longer exist, a diagram that lacks new dependencies, and a
+folder without a box.
 """
 
 from unittest import mock
@@ -11,7 +12,7 @@ import document_rooms
 
 
 class TestRoomGate:
-    """The drawing and its parts."""
+    """The diagram and its parts."""
 
     def test_drawing(self):
         assert document_rooms.DRAWING.read_text(encoding="utf-8") == document_rooms.drawing(document_rooms.uses()), (
@@ -25,7 +26,7 @@ class TestRoomGate:
         assert "scene" not in used["step"]
 
     def test_reduction(self):
-        """Only arrows that follow from others are left out."""
+        """Only arrows that follow from other arrows are left out."""
         used = {"a": {"b", "c"}, "b": {"c"}, "c": set()}
         assert document_rooms.reduced(used) == {"a": {"b"}, "b": {"c"}, "c": set()}
         assert document_rooms.rows_below(used) == {"a": 0, "b": 1, "c": 2}

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The runner of tests, and the marks in the heads of tests.
+"""The test runner, and the marks at the beginning of test files.
 
-Would catch a long test that no third runs, a failed or never started test that is counted as passed or skipped, a
-known miss or a skipped part that is not listed, and a misspelt mark, which CMake would ignore.
+Would catch a long test that is in none of the three parts, a failed test or one that could not start that is counted as
+passed or skipped, a known miss or a skipped part that is not listed, and a misspelt mark, which CMake would ignore.
 """
 
 import re
@@ -45,10 +45,10 @@ def choice(*words, share=None):
 
 
 class TestRunner:
-    """What is run, and what is made of the results."""
+    """Which tests are run, and how their results are evaluated."""
 
     def test_results(self):
-        """What could not start has failed; what left with 77 is skipped."""
+        """A test that cannot start has failed; a test with exit code 77 is skipped."""
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "results.xml"
             file.write_text(RESULTS, encoding="utf-8")
@@ -58,7 +58,7 @@ class TestRunner:
         assert run_tests.marked(found, "SKIPPED") == [("good", "full disk: no file system for it")]
 
     def test_thirds(self):
-        """Every long test is in one third, and thirds take about the same."""
+        """Every long test is in exactly one of the three parts, and the parts take about the same time."""
         tests = [test(f"t{number}", 10.0 * number, "long", cores=1 + number % 2) for number in range(1, 20)]
         groups = [run_tests.long_share(tests, share) for share in range(run_tests.SHARES)]
         assert sorted(one.name for group in groups for one in group) == sorted(one.name for one in tests)
@@ -69,7 +69,7 @@ class TestRunner:
         assert [sum(one in unknown for one in group) for group in groups] == [3, 3, 3]
 
     def test_in_time(self):
-        """Nothing is begun that is known not to end."""
+        """No test is started that is known not to end within the limit."""
         tests = [test("full", 600, "full")]
         extra = [test("short", 300, "long"), test("long", 3000, "long"), test("longer", 3000, "long")]
         chosen, left = run_tests.in_time(tests, extra, 3000.0, 2)
@@ -77,7 +77,8 @@ class TestRunner:
         assert [one.name for one in left] == ["longer"]
 
     def test_never_recorded(self):
-        """Long tests of unknown length are tried in the time that is left, each of them first on some day."""
+        """Long tests of unknown duration are run in the remaining time; the order changes daily, so that each of them
+        is first on some day."""
         tests = [test("full", 600, "full")] + [test(f"t{n}", run_tests.UNKNOWN, "long") for n in range(6)]
         found = []
         for day in range(3 * run_tests.SHARES):
@@ -89,13 +90,13 @@ class TestRunner:
         assert set(found) == {f"t{n}" for n in range(6)}
 
     def test_stopped(self):
-        """A test that is stopped by a limit of time is told from one that fails."""
+        """A test that is stopped by a time limit is distinguished from one that fails."""
         line = "1/3 Test #14: hard/test_kill.long ......***Timeout   5.67 sec"
         assert run_tests.STOPPED.search(line).group(1) == "hard/test_kill.long"
         assert run_tests.STOPPED.search(line.replace("Timeout", "Failed")) is None
 
     def test_choice(self):
-        """Tiers, filters and thirds choose what they say."""
+        """Tiers, filters and parts select the tests that they name."""
         tests = [test("a", 1, "unit", "smoke", "full"), test("b", 1, "full"), test("b.smoke", 1, "smoke"),
                  test("c", 2, "long"), test("d", 1, "bench")]
         for expected, words, share, filtered in (
@@ -110,16 +111,16 @@ class TestRunner:
         assert (found.count("a"), found.count("c")) == (3, 1)
 
     def test_time(self):
-        """No shorter than the longest test, nor than the work on all cores."""
+        """The estimate is not below the longest test, nor below the total work divided by the number of cores."""
         assert run_tests.expected([test("a", 10, cores=2), test("b", 4)], 2) == 12.0
         assert run_tests.expected([test("a", 10), test("b", 4)], 2) == 10.0
 
 
 class TestMarks:
-    """Lines in the heads of tests."""
+    """Marks at the beginning of test files."""
 
     def test_marks(self):
-        """Only those that CMake reads, before the first line of code."""
+        """Only marks that CMake reads are accepted, before the first line of code."""
         files = sorted((ROOT / "test").glob("*/test_*.py")) + sorted((ROOT / "test").glob("*/*/test_*.py"))
         assert len(files) > 80
         offences, found = [], 0
@@ -136,7 +137,7 @@ class TestMarks:
         assert offences == []
 
     def test_costs(self):
-        """The list of costs is sorted and has one line a test."""
+        """The list of costs is sorted and has one line per test."""
         lines = (ROOT / "test/costs.csv").read_text(encoding="utf-8").splitlines()
         names = [line.rsplit(",", 1)[0] for line in lines[1:]]
         assert lines[0] == "name,seconds"

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The sources of a build without MPI fit those of the build with MPI.
+"""The sources of a build without MPI have the same interfaces as those of a build with MPI.
 
-Would catch: a call of MPI in base_communicator or in the test harness that src/base/serial/mpi_f08.f90 does not have,
-or a change of one of the two io_hdf5_ranks alone. Neither is compiled in a build with MPI, so nobody would see it
-before the next build without. It would also catch presets that CMake refuses as a whole.
+Would catch: an MPI call in base_communicator or in the test harness that src/base/serial/mpi_f08.f90 lacks, or a change
+of only one of the two variants of io_hdf5_ranks. A build with MPI compiles neither, so the error would not be found
+before the next build without MPI. It would also catch presets that CMake rejects.
 """
 
 import json
@@ -22,7 +22,8 @@ INTERFACE = re.compile(
 
 
 def interface(path):
-    """The lines of a module that its users see: public names, heads of procedures and arguments, without comments."""
+    """The lines of a module that its users see: public names, declarations of procedures and arguments, without
+    comments."""
     text = re.sub(r" *!.*", "", path.read_text(encoding="utf-8"))
     return [line.strip() for line in INTERFACE.findall(text)]
 
@@ -51,7 +52,7 @@ def test_communicator_without_mpi(options):
 
 
 def test_presets():
-    """CMake reads its presets and offers each."""
+    """CMake reads the presets and lists each of them."""
     cmake = shutil.which("cmake")
     if not cmake:
         pytest.skip("there is no cmake")

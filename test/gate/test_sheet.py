@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The harness of the tests itself: what must fail does, and the exit code tells CTest.
+"""The Python test harness itself: failing checks fail the test, and the exit code reports this to CTest.
 
-Would catch a missed check that is printed and forgotten, checks after a miss that are not made, a number that is none
-and passes, a test that passes because it checks nothing, a crash or a fixture that fails without failing the test, a
-known miss that was met, a file without a test or with skipped ones only that counts as passed, a miss that a skip
-hides, and a tier that is not heeded.
+Would catch a failed check that is printed but does not fail the test, checks after a failed one that are not made, a
+NaN that passes, a test that passes because it checks nothing, a crash or a fixture that fails without failing the test,
+a known miss that meets its target and is not reported, a file without a test or with skipped ones only that counts as
+passed, a failure that a skip hides, and a tier that is ignored.
 """
 
 import os
@@ -63,8 +63,8 @@ PASSING = {
 
 
 def call(options, text, *words):
-    """Exit code and what is printed of a file of tests."""
-    # the path of a file decides which configuration is read
+    """Exit code and output of a file of tests."""
+    # pytest chooses the configuration from the path of the file
     file = options.work / "test_sample.py"
     file.write_text(text, encoding="utf-8")
     answer = subprocess.run([sys.executable, "-m", "pytest", "-c", os.path.join(TEST, "pytest.ini"), "--rootdir", TEST,

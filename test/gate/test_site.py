@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # timeout: 300
-"""The manual builds as a site without a warning, and can be read and searched from disk without a network.
+"""The manual can be built as a site without a warning, and can be read and searched from disk without a network.
 
-Would catch a link or an anchor of a page that leads nowhere on the site, a page that is not in the navigation, a
-script, style or font that is fetched when the site is viewed, formulas that no script draws, and a word that new
-users search for and do not find. Skipped where MkDocs is not installed (scripts/setup.sh installs it).
+Would catch a link or an anchor that leads nowhere on the site, a page that is not in the navigation, a script, style or
+font that is fetched when the site is viewed, formulas that no script renders, and a term that new users search for and
+do not find. Skipped where MkDocs is not installed (scripts/setup.sh installs it).
 """
 
 import importlib.util
@@ -29,7 +29,7 @@ FETCHED = re.compile(r"<(?:script|link|img|iframe)\b[^>]*\b(?:src|href)=\"?(http
 
 
 def build(root, folder):
-    """Exit code and all that MkDocs says."""
+    """Exit code and all output of MkDocs."""
     answer = subprocess.run([sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)], cwd=root,
                             capture_output=True, text=True, check=False,
                             env={**os.environ, "NO_MKDOCS_2_WARNING": "1"})
@@ -47,7 +47,7 @@ def built(tmp_path_factory):
 
 
 def test_links_are_checked(tmp_path):
-    """A link to nowhere must stop the build, also in a README of a scene, which MkDocs does not know by itself."""
+    """A broken link must stop the build, also in a README of a scene, which MkDocs does not check by itself."""
     for name in ("doc", "scripts", "input"):
         shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__", "messages", "*.png"))
     for picture in [*(ROOT / "doc").rglob("*.png"), *(ROOT / "input").rglob("*.png")]:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Types, argument lists, nesting and folders stay small enough to be read.
+"""Types, argument lists, nesting and folders are small enough to be read.
 
-Would catch a type that collects whatever needs a home, a procedure with more arguments than a reader keeps in mind, a
-loop in a loop in a condition in a loop in a loop, and a folder that has become a drawer.
+Would catch a type with components of unrelated purposes, a procedure with too many arguments, deeply nested loops and
+conditions, and a folder with too many modules.
 """
 
 import re
@@ -11,7 +11,7 @@ import re
 from sources import COVERED, END_PROCEDURE, PROCEDURE, ROOT, TYPE, lines_of, place, project_files, statements
 
 COMPONENTS, ARGUMENTS, NESTING, MODULES = 16, 10, 4, 40
-# Comments right above a type or a procedure, each with its reason.
+# Marks in comments directly above a type or a procedure that allow an exception, each with its reason.
 HEADER_RECORD = "! gate: header record because "
 LONG_KERNEL = "! gate: long kernel because "
 OPENS = re.compile(
@@ -21,12 +21,12 @@ CLOSES = re.compile(r"^end\s*(?:do|if|select|associate|block|critical|where|fora
 
 
 def without_strings(text):
-    """A statement whose strings are empty, so that no bracket or keyword of them counts."""
+    """A statement with empty strings, so that brackets and keywords in strings are not counted."""
     return re.sub(r'"[^"]*"|\'[^\']*\'', '""', text)
 
 
 def is_marked(lines, line, marker):
-    """True if the comment lines right above a statement hold a marker."""
+    """True if the comment lines directly above a statement contain a mark."""
     above = line - 2
     while above >= 0 and lines[above].lstrip().startswith("!"):
         if marker in lines[above]:
@@ -36,7 +36,7 @@ def is_marked(lines, line, marker):
 
 
 def names_of(declaration):
-    """How many names a declaration of components has."""
+    """Number of names in a declaration of components."""
     depth, names = 0, 1
     for letter in declaration.split("::", 1)[1]:
         depth += (letter in "([") - (letter in ")]")
@@ -45,7 +45,7 @@ def names_of(declaration):
 
 
 def opens_block(text):
-    """True for a statement that begins an inner block; a masked assignment of one line is none."""
+    """True for a statement that begins an inner block; a masked assignment of one line is not one."""
     if re.match(r"where\s*\(", text, re.I):
         depth = 0
         for position, letter in enumerate(text):
@@ -91,7 +91,7 @@ def offences_of(path):
 
 
 class TestStructure:
-    """All offences are listed."""
+    """All violations are listed."""
 
     def offences_in(self, source):
         """Messages on a source that is given as text."""
@@ -104,7 +104,7 @@ class TestStructure:
             path.unlink()
 
     def test_samples(self):
-        """The gate itself: each limit is found where it is passed, and a marker with a reason is heeded."""
+        """The gate itself: each limit is found where it is exceeded, and a mark with a reason is accepted."""
         fields = "\n".join(f"real :: a{n}(2, 3), b{n} = 1.0" for n in range(9))
         large = f"type :: large_t\n{fields}\nend type large_t\n"
         assert self.offences_in(large) == ["type large_t has 18 components, limit 16"]
@@ -126,7 +126,7 @@ class TestStructure:
         assert len(found) == 0, "\n" + "\n".join(found)
 
     def test_modules_of_a_folder(self):
-        """Folders in a folder of src/ hold variants of a build, of which one is compiled."""
+        """Subfolders of a folder of src/ contain variants for different builds, of which one is compiled."""
         found = [f"src/{folder} has {count} modules, limit {MODULES}" for folder in COVERED
                  for count in [len(list((ROOT / "src" / folder).glob("*.f90")))] if count > MODULES]
         assert found == []

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Rules for the tests in Python: one harness, one place for the paths of modules.
+"""Rules for the tests in Python: one harness, and one definition of the module paths.
 
-Would catch a file that pytest runs without a test in it, a test that runs by another harness and whose checks are not
-judged, a path that a test bends for itself and that another test then depends on, and imports or variables that
-nothing uses.
+Would catch a file that pytest runs and that contains no test, a test with another harness, whose checks are not
+evaluated, a test that changes the module search path, on which another test then depends, and imports or variables that
+are not used.
 """
 
 import importlib.util
@@ -18,7 +18,7 @@ from sources import ROOT, place, project_files
 
 TEST = ROOT / "test"
 FILES = project_files(".py", under="test")
-# how scripts that are no tests find modules, how the fixtures are made, and the words of this gate
+# Files that may change the path: scripts that are not tests, the definitions of the fixtures, and this gate
 OWN = {TEST / "verify" / "_support.py", TEST / "conftest.py", TEST / "gate" / "test_tests.py"}
 FORBIDDEN = (
     (re.compile(r"\bsys\.path(\.|\[.*\] *=| *\+?=)"), "bends sys.path: test/pytest.ini says where modules are"),
@@ -29,7 +29,7 @@ FORBIDDEN = (
 
 
 def offences():
-    """Lines of tests that break a rule."""
+    """Lines of tests that violate a rule."""
     return [f"{place(path, number)} {why}" for path in FILES if path not in OWN
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
             for pattern, why in FORBIDDEN if pattern.search(line)]
@@ -42,7 +42,7 @@ def test_one_harness():
 
 
 def test_each_file_has_tests():
-    """And none of them is run by itself."""
+    """Each file has tests, and none is run as a script."""
     found = []
     for path in FILES:
         text = path.read_text(encoding="utf-8")
@@ -55,7 +55,7 @@ def test_each_file_has_tests():
 
 
 def test_names_of_files_differ():
-    """Modules of tests are imported by their names alone."""
+    """Test modules are imported by their names alone, so the names must differ."""
     names = [path.name for path in FILES if path.name != "conftest.py"]
     assert sorted({name for name in names if names.count(name) > 1}) == []
 

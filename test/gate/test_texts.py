@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Rules for all text files: form, licence, nothing left over.
+"""Rules for all text files: form, licence, no leftovers.
 
-Would catch a file without a licence line, a line that no screen shows whole, a line pasted twice,
-and a path that exists on one machine only.
+Would catch a file without a licence line, a line that is wider than a screen, a line pasted twice, and a path that
+exists on one machine only.
 """
 
 import re
@@ -13,7 +13,7 @@ import sys
 from sources import ROOT, lines_of, place, project_files
 
 WIDTH = {".f90": 100, ".pf": 100, ".py": 120, ".sh": 100}
-DIRECTIVE_WIDTH = 128  # a directive of a .pf file must stand on one line
+DIRECTIVE_WIDTH = 128  # a directive of a .pf file must be on one line
 CODE = project_files(".f90", ".pf", ".py", ".sh", ".cmake", ".in") + project_files(
     ".txt", under="src") + [ROOT / "CMakeLists.txt"]
 ALL = project_files()
@@ -22,7 +22,7 @@ LEFT_OVER = re.compile(r"\b(?:TO" "DO|FIX" "ME|X" "XX|HA" "CK)\\b")
 
 
 class TestTextGate:
-    """One rule a test; all offences are listed."""
+    """One rule per test; all violations are listed."""
 
     def none(self, offences):
         assert len(offences) == 0, "\n" + "\n".join(offences)

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Laws and kernels of particles take exp, log and powers of base_elementary, not of the mathematics library.
+"""Laws and particle kernels use exp, log and powers of base_elementary, not those of the mathematics library.
 
-Would catch: a loop that the compiler turns into calls of the vector library of mathematics. Its
-last bits differ from those of the scalar function in the remainder of the loop, so a result would
-depend on where a particle stands in its range, and with it on ranks, threads and restarts.
-It would also catch products that are fused with sums against -ffp-contract=off, which gfortran 12.2 does with complex
-numbers, and matmul of the compiler's library, which does it on processors that can: bits that depend on the processor.
-The names of those functions are those of the vector ABI, such as _ZGVdN4v_exp. It would also catch a
-law that calls the scalar function: its loop is no vector, and its bits depend on the version of the library.
+Would catch: a loop that the compiler turns into calls of the vector library of mathematics. The last bits of these
+functions differ from those of the scalar function in the remainder of the loop, so a result would depend on the
+position of a particle in its range, and thus on ranks, threads and restarts. It would also catch products that are
+fused with sums in spite of -ffp-contract=off, as gfortran 12.2 does with complex numbers, and matmul of the compiler's
+library, which uses fused operations on processors that have them: such bits depend on the processor. The names of the
+vector functions are those of the vector ABI, such as _ZGVdN4v_exp. It would also catch a law that calls the scalar
+function: its loop is not vectorised, and its bits depend on the version of the library.
 """
 
 import re
@@ -29,7 +29,7 @@ COLD = {"constitutive_relaxation": "turns of more than 0.4 in one step",
         "law_drucker_prager": "angles of the deck",
         "law_mohr_coulomb": "angles of the deck"}
 
-# x86-64 and ARM: one rounding for a product and a sum; sums.
+# x86-64 and ARM: instructions that round once for product and sum; plain sums.
 FUSED = re.compile(r"\tv?f(?:n?m(?:add|sub)|m(?:addsub|subadd)|ml[as])\w* ")
 SUM = re.compile(r"\tv?f?add[sp]?d?\s.*(?:%[xyz]mm|\bd\d)")
 
@@ -52,7 +52,7 @@ def cached(options, name):
 
 
 def undefined(options, file):
-    """Pairs of object and symbol that it takes from elsewhere."""
+    """Pairs of an object and a symbol that it imports."""
     answer = subprocess.run([cached(options, "CMAKE_NM"), "--undefined-only", "--print-file-name", file],
                             capture_output=True, text=True, check=True)
     pairs = []
@@ -63,10 +63,10 @@ def undefined(options, file):
 
 
 class TestVectorFunctions:
-    """Looks at the symbols of the libraries as they are built."""
+    """Examines the symbols of the compiled libraries."""
 
     def sample(self, options, mark):
-        """Symbols that a loop over exp asks for."""
+        """Symbols that a loop over exp imports."""
         work = options.work
         work.mkdir(parents=True, exist_ok=True)
         source = work / "sample.f90"
@@ -76,13 +76,13 @@ class TestVectorFunctions:
         return {symbol for _, symbol in undefined(options, work / "sample.o")}
 
     def test_the_mark_helps(self, options):
-        """The gate itself: the mark before a loop keeps the vector variants away."""
+        """The gate itself: the mark before a loop prevents the vector variants."""
         with_mark = self.sample(options, "!GCC$ novector")
         assert "exp" in with_mark
         assert not [symbol for symbol in with_mark if symbol.startswith("_ZGV")]
 
     def test_symbols(self, options):
-        """No object of the program asks for a vector variant."""
+        """No object of the program imports a vector variant."""
         found, scalar = [], 0
         for layer in LAYERS:
             library = options.scree.parents[1] / "lib" / f"libscree_{layer}.a"
@@ -95,7 +95,7 @@ class TestVectorFunctions:
         assert found == [], "\n" + "\n".join(found)
 
     def test_fused_products(self, options):
-        """No instruction of the program multiplies and adds with one rounding."""
+        """No instruction of the program multiplies and adds with a single rounding."""
         if shutil.which("objdump") is None:
             pytest.skip("objdump is not installed")
         tree = options.scree.parents[1]
@@ -114,14 +114,15 @@ class TestVectorFunctions:
             assert found == [], f"{file}\n" + "\n".join(found)
 
     def test_matrix_products(self, options):
-        """No object asks for the product of matrices of the compiler's library."""
+        """No object imports the matrix product of the compiler's library."""
         found = [f"{name}: {symbol}; multiply variables of constant shape" for layer in LAYERS
                  for name, symbol in undefined(options, options.scree.parents[1] / "lib" / f"libscree_{layer}.a")
                  if symbol.startswith("_gfortran_matmul")]
         assert found == [], "\n" + "\n".join(found)
 
     def test_own_functions(self, options):
-        """No object of a law or of a kernel of particles asks for the mathematics library, but those listed."""
+        """No object of a law or of a particle kernel imports functions of the mathematics library, except those
+        listed."""
         found, listed = [], set()
         for layer in PARTICLES:
             for name, symbol in undefined(options, options.scree.parents[1] / "lib" / f"libscree_{layer}.a"):

@@ -1,31 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bodies with velocities of their own: they touch when their surfaces do, slide, part, and break bonds.
+"""Contact of bodies with separate velocity fields: bodies touch when their surfaces meet, slide, separate, and break
+bonds.
 
-Would catch: contact that acts as soon as bodies share nodes; a normal that leans at the edge of a body, so
-that a block without friction is braked (by 23 % with the mean of the areas); a push that pulls bodies
-together after the wave came back; friction that is not mu times the normal push, or acts without one; pushes
-of several bodies at a node that do not add up to zero; light or soft matter beside matter of a million times
-its density or stiffness that blows up; heat of contact that is not booked; bonds that break at another
-stress, in another cell than that which is torn, or form again; a single body that changes because contact is
-on; particles that are halved with the growth of another velocity field or with none; and snapshots that number
-stores in place of materials.
+Would catch: contact that acts as soon as bodies share nodes; an inclined normal at the edge of a body, so that a block
+without friction is decelerated (by 23 % with the mean of the areas); contact forces that pull bodies together after the
+wave has returned; friction that is not mu times the normal force, or acts without one; contact forces of several bodies
+at a node whose sum is not zero; light or soft material next to material of a million times its density or stiffness
+that becomes unstable; heat of contact that is not recorded; bonds that break at another stress, in another cell than
+the separated one, or form again; a single body that changes because contact is on; particles that are split by the
+growth of another velocity field or by none; and snapshots with the numbers of stores in place of those of materials.
 
 Limits. Two elastic discs (cells of 0.025 m): the first force comes at most a tenth of a cell early, as particles count
 as cubes (doc/theory/contact.md), and at most half a cell late, the size of a particle. Energy: target 2 %, and 1 % with
-half the cells, as an impact of the layer of nodes that meets takes a part of the order of a cell; kinetic energy after
-the rebound: that of fine runs (test_two_discs.py) within the same. Half the cells miss 1 % by a little, and `usl`,
-which strains with what particles do not get, misses all: known, held at a tenth of the energy. What the books leave
-open with the heat of contact: half of the targets; a quarter where particles keep their velocity, and the work of the
-pushes at the velocities of the nodes leaves 1.3 %.
-Sliding block: gravity comes at once, and until shear waves have crossed the floor it falls along with the block
-without slip, so its own time for friction is less than the 0.4 s. From 0.04 s on, four times that, it slides, and
-Newton's law for the whole block says that the place along the floor plus mu times that normal to it has the
-acceleration g (sin - mu cos), however it bounces: target 1e-3. Blocks that stick have at most the speed of free
-fall for the time of a pressure wave through their height, 1.4 % of that at the end. Bars of equal impedance hand
-over all of their
-velocity: what is left is at most that of the one cell of a bar that lies at the surface, 2 %. Light on heavy comes back
-with all of its velocity: 2 % for the same reason on both ways. Bonds: the velocities of one body, or all of it if they
-break, within 2 %, one cell.
+half the cell size, because the inelastic impact of the first layer of nodes takes a fraction of the order of a cell;
+kinetic energy after the rebound: that of fine runs (test_two_discs.py) within the same limits. The discs with half the
+cell size miss 1 % by a little, and `usl`, which strains with velocities that particles do not get, misses all targets:
+known misses, held at a tenth of the energy. Error of the energy balance with the heat of contact: half of the targets;
+a quarter where particles keep their velocity, since the work of the contact forces at the velocities of the nodes has
+an error of 1.3 %. Sliding block: gravity is applied suddenly, and until shear waves have crossed the floor, the floor
+falls along with the block without slip, so the block is subject to friction for less than 0.4 s. After 0.04 s, four
+times that crossing time, it slides, and Newton's law for the whole block says that its position along the floor plus mu
+times its position normal to it has the acceleration g (sin - mu cos), however it bounces: target 1e-3. Blocks that
+stick have at most the speed of free fall after the time of a pressure wave through their height, 1.4 % of the final
+speed. Bars of equal impedance transfer all of their velocity: the remainder is at most that of the one cell of a bar at
+the surface, 2 %. A light bar rebounds from a heavy one with its whole speed: 2 % for the same reason in both
+directions. Bonds: the velocities of one body, or, if they break, the full velocities, within 2 %, one cell.
 """
 # tiers: smoke, full
 
@@ -159,7 +158,7 @@ def test_discs(options, sheet):
 
 
 def block(options, name, law, angle, friction=0.0, method="ddmp", words=""):
-    """Acceleration of a block on an incline along it plus friction times normal to it, and its last velocity."""
+    """Acceleration of a block along an incline plus friction times that normal to it, and its last velocity."""
     along, down = float(10.0 * np.sin(np.radians(angle))), float(-10.0 * np.cos(np.radians(angle)))
     run = case.Case(options, name, SLIDE.format(method=method, words=words, along=along, down=down, law=law,
                                                 contact="contact=.true.", fields=FIELDS)).run("-q")
@@ -192,11 +191,11 @@ def bars(options, name, densities=(1000, 1000), moduli=(1e6, 1e6), speed=0.1, en
 
 
 def test_impacts(options, sheet):
-    """Bars that meet and part."""
+    """Bars that collide and separate."""
     (left, right), history = bars(options, "equal")
     sheet.above("bars: velocity handed over", right, 1.0 - LAYER)
     sheet.below("bars: velocity left", abs(left), LAYER)
-    # nothing but the layer that meets loses energy
+    # only the layer of particles that collides loses energy
     sheet.below("bars: energy that contact books as lost", history["dissipated"][-1] / history["kinetic"][0], LAYER)
     sheet.require(history["dissipated"][-1] > 0.0, "bars: contact books what it loses")
     (left, right), _ = bars(options, "one_field", effects="artificial_viscosity=.false.")
@@ -213,7 +212,7 @@ def test_impacts(options, sheet):
 
 
 def test_torn(options, sheet):
-    """Only what lies within a cell of the bond that breaks loses it."""
+    """Only bonds of particles within a cell of the broken node break."""
     deck = BARS.format(method="ddmp", words="", effects=CONTACT, densities=(1000, 1000), moduli=(1e6, 1e6),
                        speed=-0.1, end=0.01, fields=FIELDS.replace("'body'", "'body','bond'"),
                        more="&contact law='bonded'  bond_strength=400 /")
@@ -228,8 +227,8 @@ def test_torn(options, sheet):
 
 
 def test_heat(options, sheet):
-    """What contact takes from the motion of bodies that carry energy becomes their heat: the books close to rounding
-    in an oblique impact with friction, in which both get energy."""
+    """The kinetic energy that contact dissipates becomes heat of bodies with internal energy: in an oblique impact with
+    friction the energy balance closes to rounding, and both bodies gain internal energy."""
     deck = HEATED.format(fields=FIELDS.replace("'velocity'", "'energy'"))
     run = case.Case(options, "heat", deck).run("-q")
     snap, history = run.snapshots()[-1][1], run.history
@@ -242,9 +241,9 @@ def test_heat(options, sheet):
 
 
 def test_gap(options, sheet):
-    """Bonds hold bodies that touch: bars with a gap of three quarters of a cell, whose particles share a node, part as
-    if there were no bond; without bonds they come closer as if there were no contact. Those beside each other stay
-    together."""
+    """Bonds act only between bodies that touch: bars with a gap of three quarters of a cell, whose particles share a
+    node, separate as if there were no bond, and without a bond approach as if there were no contact. Bars without a gap
+    stay together."""
     speeds = {}
     for name, start, speed in (("coming", 0.015, 0.1), ("gap", 0.015, -0.1), ("touching", 0.0, -0.1)):
         deck = BARS.format(method="ddmp", words="", effects=CONTACT, densities=(1000, 1000), moduli=(1e6, 1e6),
@@ -265,7 +264,7 @@ def test_gap(options, sheet):
                 np.abs(np.subtract(found, wanted)).max() / np.abs(wanted).max(), 1.0e-14)
 
 
-# Two lines of particles that fly apart, each by itself, and are halved.
+# Two lines of particles that fly apart, each by itself, and are split.
 THREADS = """
 &run  dimension='1d' /
 &grid  lo=0,0,0  hi=40,1,1  dx=1 /
@@ -280,7 +279,7 @@ THREADS = """
 
 @pytest.mark.tiers("full", "long")
 def test_halves(options, sheet):
-    """Bodies that never meet are halved as without contact, also if they are strained before the force."""
+    """Particles of bodies that never meet are split as without contact, also if they are strained before the force."""
     parts = "".join(
         f"&region  name='r{n}'  shape='box'  lo={start + n % 4},0,0  hi={start + n % 4 + 1},1,1 /\n"
         f"&body  name='b{n}'  region='r{n}'  material='thread'  ppc=1,1,1  velocity={0.7 * (n % 4)},0,0  {{field}} /\n"
@@ -299,7 +298,8 @@ def test_halves(options, sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_bonds(options, sheet):
-    """A bond holds like one body until its stress is reached; the impact of 0.1 m/s pulls with 1581 Pa."""
+    """Bonded bodies move as one body until the bond stress is reached; the impact of 0.1 m/s causes a tension of 1581
+    Pa."""
     (left, right), whole = bars(options, "one_body", effects="artificial_viscosity=.false.")
     (bound, other), held = bars(options, "bound", more="&contact law='bonded' /")
     sheet.near("bond: velocity against one body", bound, left, LAYER)
@@ -314,7 +314,7 @@ def test_bonds(options, sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_crowds(options, sheet):
-    """Three bodies at the same nodes; one body with itself; a fast ball."""
+    """Three bodies at the same nodes; self-contact of one body; a fast ball."""
     run = case.Case(options, "three", THREE.format(contact="contact=.true.", fields=FIELDS)).run("-q")
     history = run.history
     scale = np.abs([history[f"momentum_{k}"][0] for k in "xyz"]).max()
@@ -336,7 +336,7 @@ def test_crowds(options, sheet):
 
 
 def test_numbers(options, sheet):
-    """Materials keep the numbers of the deck, although each velocity field has stores of its own."""
+    """Materials have the numbers of the deck in outputs, although each velocity field has separate stores."""
     deck = """
 &run  dimension='1d' /
 &grid  lo=0,0,0  hi=1,1,1  dx=0.1 /

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes at the edge of sense: nothing happens, a lone particle, places on faces, all leaves.
+"""Limiting cases: nothing happens, an isolated particle, particles on cell faces, all particles leave.
 
-Would catch: rounding where nothing acts, a node without mass that is divided by, a particle on a
-face that is in two cells or none, a face through which mass leaves without being booked, a run that
-cannot go on without particles.
+Would catch: rounding where nothing acts, a division by the mass of an empty node, a particle on a cell face that is in
+two cells or none, a boundary through which mass leaves without being recorded, a run that cannot continue without
+particles.
 """
 # timeout: 120
 
@@ -42,7 +42,7 @@ def scene(options, name, **words):
 
 
 def test_at_rest(options, sheet):
-    """Nothing acts: every bit stays."""
+    """Nothing acts: no bit changes."""
     for dimension, width in (("1d", 1), ("plane_strain", 1), ("axisymmetric", 0), ("3d", 8)):
         for method in ("ddmp", "mpm"):
             for kind, words in (("block", {}), ("lone", LONE)):
@@ -61,7 +61,7 @@ def test_at_rest(options, sheet):
 
 
 def test_lone_flight(options, sheet):
-    """A lone particle flies through a periodic box."""
+    """An isolated particle flies through a periodic box."""
     faces = "&boundary face='all' type='periodic' /"
     for dimension, width in (("1d", 1), ("plane_strain", 1), ("3d", 8)):
         active = np.array({"1d": (1, 0, 0), "plane_strain": (1, 0, 1), "3d": (1, 1, 1)}[dimension])
@@ -75,7 +75,7 @@ def test_lone_flight(options, sheet):
         sheet.below(f"lone_{dimension}: velocity",
                     np.abs(last.fields["velocity"][0] - velocity).max() / 900.0, 1.0e-12)
         sheet.below(f"lone_{dimension}: place [cell]", away, 1.0e-10)
-        # beside faces light nodes make stress of rounding, which in 3-D comes to 2.4e-4 of the modulus
+        # nodes of small mass near cell faces cause a stress from rounding, in 3-D up to 2.4e-4 of the modulus
         sheet.below(f"lone_{dimension}: stress over modulus",
                     np.abs(last.fields["stress"]).max() / 79.0e9,
                     5.0e-4 if dimension == "3d" else 1.0e-12)
@@ -85,10 +85,10 @@ def test_lone_flight(options, sheet):
 
 
 def test_on_faces(options, sheet):
-    """Half a cell a step: every second step all particles are exactly on nodes.
+    """Half a cell per step: every second step all particles are exactly on nodes.
 
-    For the dual domain method only: in the plain one the gradient of a particle on a node needs the
-    velocity of the next node, which has no mass and so no velocity if no other particle is near.
+    For the dual domain method only: in the plain method the gradient of a particle on a node needs the velocity of the
+    next node, which has no mass and so no velocity if no other particle is near.
     """
     faces = "&boundary face='all' type='periodic' /"
     for update in ("usl", "usf", "musl"):
@@ -112,7 +112,7 @@ def test_on_faces(options, sheet):
 
 
 def test_outflow(options, sheet):
-    """A block leaves through each face in turn, in part and then entirely."""
+    """A block leaves through each boundary in turn, first in part and then entirely."""
     for axis in range(3):
         for sign in (-1, 1):
             velocity = np.zeros(3)

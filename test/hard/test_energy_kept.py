@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bodies without internal energy keep what they have: rings and blocks collide; a ring, a disc and a ball vibrate.
+"""Energy conservation of bodies without internal energy: rings and blocks collide; a ring, a disc and a ball vibrate.
 
-With `stress_update = 'usavg'`. Would catch: straining with velocities that the particles do not take up, halves of the
-strain with each other's velocity or for a wrong time, a half that is taken ahead and never put right, rotations that
-are not smoothed or smoothed at the wrong places (bits that depend on ranks or a restart), angular momentum that is
-given for the energy, a loss without a warning, damping that nobody books.
+With `stress_update = 'usavg'`. Would catch: strain from velocities that the particles do not get, halves of the strain
+with the velocity of the other half or for a wrong time, a predicted half that is never corrected, rotations that are
+not smoothed or smoothed at the wrong positions (bits that depend on ranks or a restart), angular momentum that is lost
+in favour of energy, a loss without a warning, damping that is not recorded.
 
-A neo-Hookean body loses nothing, so all that is lost is an error. Targets: two rings of five cells 2 %, soft blocks
-3 %, free vibration of ten cells 1 % in nine periods, angular momentum 1e-4 a turn. The ball is a known
-miss, held at ten times that. The control is the default, which must
-lose more than a tenth in the rings, or they no longer show what is cured. What the share of PIC takes is booked: with
-`flip = 0.999` the balance must close as well, and it takes more than a tenth.
+A neo-Hookean body dissipates nothing, so all energy lost is an error. Targets: two rings of five cells 2 %, soft blocks
+3 %, free vibration of ten cells 1 % in nine periods, angular momentum 1e-4 per turn. The ball is a known miss, held at
+ten times the target. The control is the default method, which must lose more than a tenth in the rings; otherwise the
+rings would no longer show the improvement. Energy removed by the PIC fraction is recorded: with `flip = 0.999` the
+balance must close too, and the removed energy is more than a tenth.
 """
 # tiers: smoke, full
 # timeout: 300
@@ -75,7 +75,7 @@ def run(options, name, bodies, size, dx, end, method=KEEPS, dimension="plane_str
 
 
 def lattice(half, dx, dimensions):
-    """Places of two particles a cell along each direction."""
+    """Positions of two particles per cell along each direction."""
     line = np.arange(-half + dx / 4, half, dx / 2)
     if dimensions == 2:
         x, z = np.meshgrid(line, line, indexing="ij")
@@ -85,14 +85,14 @@ def lattice(half, dx, dimensions):
 
 @pytest.mark.tiers("full", "long")
 def test_vibrations(options, sheet):
-    """Nine periods of the lowest smooth motion of a thick ring, of a disc and of a ball; strain of about 1 %."""
+    """Nine periods of the lowest smooth vibration of a thick ring, of a disc and of a ball; strain of about 1 %."""
     dx = 0.002
     place = lattice(0.048, dx, 2)
     radius = np.hypot(place[:, 0], place[:, 2])
     inside = (radius > 0.02) & (radius < 0.04)
     place, radius = place[inside], radius[inside]
     angle = np.arctan2(place[:, 2], place[:, 0])
-    # of a thin ring, no stretch of the middle line: w = cos 2 phi, v = -1/2 sin 2 phi
+    # of a thin ring without stretch of its middle line: w = cos 2 phi, v = -1/2 sin 2 phi
     w, v = 60.0 * radius * np.cos(2 * angle), -30.0 * radius * np.sin(2 * angle)
     speed = np.stack([w * np.cos(angle) - v * np.sin(angle), 0 * w, w * np.sin(angle) + v * np.cos(angle)], axis=1)
     young = 9 * BULK * SHEAR / (3 * BULK + SHEAR)
@@ -111,7 +111,7 @@ def test_vibrations(options, sheet):
         good = run(options, f"vibrating_{name}", POINTS.format(volume=volume),
                    (half, half if dimensions == 3 else dx / 2, half), dx, end,
                    dimension="plane_strain" if dimensions == 2 else "3d", points=points)
-        # velocities stand half a step before places, so the balance swings; its mean over two periods does not
+        # velocities are half a step behind positions, so the balance oscillates; its mean over two periods does not
         table = good.history
         late = table["time"] > 7.0 / 9.0 * end
         error = float(table["energy_error"][late].mean())
@@ -136,7 +136,7 @@ def test_same_bits(options, sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_rings(options, sheet):
-    """Two rings that collide: energy with the order that keeps it, and the controls."""
+    """Two rings that collide: energy with the order of update that conserves it, and the controls."""
     box = (0.25, 0.5, 0.1), 0.002, 6e-3
     good = run(options, "rings", RINGS, *box)
     sheet.below("rings: energy", good.summary["ledger"]["energy_error"], 0.02)

@@ -1,28 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Gas whose particles lie at random: at rest, under a slow piston, and after a point explosion.
+"""Gas of randomly placed particles: at rest, under a slow piston, and after a point explosion.
 
-Would catch: sums over particles that are not divided by the sums of their weights, so that uniform pressure pushes
-(gas at rest then reached the speed of sound and nine times its volume); factors of the force that are not those of
-strain and work; walls inside the grid that count as free surfaces, because tiles behind them hold no particles or cells
-beyond the box are hollow; thin rests of cells at such walls that push the few particles in them along the wall;
-particles that claim more room than there is (two hundred million times the box after an explosion, exit code 4).
+Would catch: sums over particles that are not divided by the sums of their weights, so that uniform pressure exerts
+forces (a gas at rest then reached the speed of sound and nine times its volume); factors of the force that differ from
+those of strain and work; walls inside the grid that count as free surfaces, because tiles behind them have no particles
+or cells beyond the box are empty; thin cut cells at such walls that push the few particles in them along the wall;
+particles whose volumes exceed the available volume (two hundred million times the box after an explosion, exit code 4).
 
 At rest: closed box, uniform pressure, jittered particles, ten thousand steps on a line, in a plane and in space; and
 300 steps in a plane behind a wall that cuts a row of cells at a tenth to nine tenths of them.
-Rounding of 1e-16 of the pressure in each step, all with one sign, adds up to 1e4 1e-16 = 1e-12 of the speed of sound;
-limit 1e-10 of it. The same gas without normalised sums must move by more than 1e-3 of it within 300 steps, or the
-scene shows nothing. Slow piston: 7.5 m/s against 340 m/s, to 40 % of the length: shocks of Mach 0.02 make no entropy
-that counts, so the pressure is that of the adiabat, p V^1.4 constant; target 1 % for the mean over the volume and 2 %
-for the deviation from it, of which 0.5 % is the sound of the start that runs to and fro; on a line, in a plane and in
-space, with other transfers too. Volumes sum up to the room that the piston leaves: 1e-3 of it, which the piston sweeps
-in a step or half of one.
-The same bits for any ranks and threads and after a restart while the piston is under way. Along a radius matter
-beside the wall closes in, so that what falls to rests of cells without particles is lost: 1 % of the volume there.
-Explosion: radius of the shock by J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007), gamma = 1.4, which is 0.75 at time 1
-for the cylinder and 1 for the sphere. A shock may be spread over six cells (H-10 in test/hard/README.md), and where the
-density of such a peak is halfway up is at most a quarter of that, 1.5 cells, outside of it. Particles are halved where
-they have become long, so no cell is hollow and their volumes sum up to the box: 1e-3, what strains of 0.3 in a step
-leave in their squares. Energy everywhere: rounding, 1e-12.
+Rounding errors of 1e-16 of the pressure in each step, all with one sign, add up to 1e4 1e-16 = 1e-12 of the speed of
+sound; limit 1e-10 of it. The same gas without normalised sums must move by more than 1e-3 of it within 300 steps;
+otherwise the scene shows nothing. Slow piston: 7.5 m/s against 340 m/s, to 40 % of the length: shocks of Mach 0.02
+produce negligible entropy, so the pressure is that of the adiabat, p V^1.4 constant; target 1 % for the mean over the
+volume and 2 % for the deviation from it, of which 0.5 % is the sound wave of the start that travels back and forth; on
+a line, in a plane and in space, also with other transfers. The sum of the volumes equals the volume in front of the
+piston within 1e-3 of it, the volume that the piston sweeps in a step or half of one. The same bits for any ranks and
+threads and after a restart while the piston moves. In axisymmetry material converges beside the wall, so particles are
+lost to cut cells without particles: 1 % of the volume there. Explosion: radius of the shock by J. R. Kamm, F. X.
+Timmes, LA-UR-07-2849 (2007), gamma = 1.4, which is 0.75 at time 1 for the cylinder and 1 for the sphere. A shock may be
+spread over six cells (H-10 in test/hard/README.md); the position at which the density of such a peak has half its
+greatest value is outside of it by at most a quarter of that width, 1.5 cells. Particles that have become long are
+split, so no cell is empty and their volumes sum up to the box: 1e-3, the error of second order of strains of 0.3 in a
+step. Energy in all scenes: rounding, 1e-12.
 """
 # tiers: smoke, full
 # timeout: 600
@@ -78,7 +78,7 @@ def run(options, name, dimension, hi, size, bodies, end=1.0, steps="", words="",
 
 @pytest.mark.parametrize("dimension", SCENES)
 def test_rest(options, sheet, dimension):
-    """Gas at rest stays at rest, and would not without normalised sums."""
+    """Gas at rest remains at rest, and would not without normalised sums."""
     hi, size, ppc = SCENES[dimension]
     for words, number in (("", tier.choose(10000, smoke=300)), ("normalise='none'", 300)):
         name = f"rest_{dimension}{'_none' if words else ''}"
@@ -98,12 +98,12 @@ def test_rest(options, sheet, dimension):
 
 
 def room_of(dimension, length, across, height):
-    """Volume of a box, around the axis with its length as radius [m3]."""
+    """Volume of a box; in axisymmetry that around the axis, with its length as radius [m3]."""
     return np.pi * length ** 2 * height if dimension == "axisymmetric" else length * across * height
 
 
 def cut(options, sheet, share, dimension="plane_strain"):
-    """Gas at rest behind a wall that leaves a share of a row of cells; tiles behind it have no particles."""
+    """Gas at rest behind a wall that leaves a fraction of a row of cells; tiles behind it have no particles."""
     size, across = 0.05, 0.7
     length, name = (9.0 + share) * size, f"cut_{dimension[:5]}_{share}"
     wall = PISTON.format(length=length).replace("velocity=-7.5,0,0", "")
@@ -124,7 +124,7 @@ def cut(options, sheet, share, dimension="plane_strain"):
     pytest.param("piston_space", "3d", "jitter", "", marks=FULL),
 ])
 def test_press(options, sheet, name, dimension, packing, words):
-    """A piston compresses gas to 40 % of its length."""
+    """A piston compresses a gas to 40 % of its length."""
     length, size, ppc, across = {"1d": (1.0, 0.05, "3,1,1", 1.0), "plane_strain": (0.5, 0.05, "3,1,3", 0.2),
                                  "axisymmetric": (0.5, 0.025, "3,1,3", 0.2),
                                  "3d": (0.5, 0.05, "2,2,2", 0.2)}[dimension]
@@ -140,7 +140,7 @@ def test_press(options, sheet, name, dimension, packing, words):
     sheet.below(f"{name}: energy", box.summary["ledger"]["energy_error"], BOOKS)
     sheet.below(f"{name}: pressure over the adiabat", off, 0.01)
     sheet.below(f"{name}: its deviation", spread, 0.02)
-    # along a radius matter beside the wall closes in, and what falls to rests of cells without particles is lost
+    # in axisymmetry material converges beside the wall, and particles are lost to cut cells without particles
     sheet.below(f"{name}: sum of volumes", volume.sum() / room - 1.0, 0.01 if dimension == "axisymmetric" else 1.0e-3)
 
 
@@ -162,7 +162,7 @@ def test_layouts(options, sheet):
 @FULL
 @pytest.mark.parametrize("cells, dimension", [(50, "plane_strain"), (50, "axisymmetric")])
 def test_explode(options, sheet, cells, dimension):
-    """The shock of an explosion in a plane or in space: where the density is halfway up to its greatest."""
+    """The shock of an explosion in a plane or in space: position at which the density has half its greatest value."""
     size = 1.2 / cells
     hot, edge = 2.0 * size, "1.2,1,1.2"
     around = dimension == "axisymmetric"

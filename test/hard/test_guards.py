@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs that go wrong stop with exit code 4 and name the particle, the same words for any layout.
+"""Runs with errors stop with exit code 4 and name the particle, with the same words for any ranks and threads.
 
-Would catch: a bound that is not looked at, a particle named that is in its bounds, words that depend
-on ranks or threads, a spoiled state that pushes a good checkpoint away, a state before the step that
-cannot be had again, a step that the summary counts for the wrong reason.
+Would catch: a bound that is not checked, a reported particle that is within its bounds, a message that depends on ranks
+or threads, an invalid state that replaces a valid checkpoint, a state before the failing step that cannot be
+reproduced, a step that the summary counts under the wrong limit.
 """
 # timeout: 600
 
@@ -15,7 +15,7 @@ import pytest
 
 import case
 
-# With a step of 0.08 s, fourteen times the stable one, every number grows without bound.
+# With a step of 0.08 s, fourteen times the stable one, all quantities grow without bound.
 DECK = """
 &run  dimension='3d' /
 &grid  lo=0,0,0  hi=12,12,12  dx=1 /
@@ -30,7 +30,7 @@ DECK = """
   fields='identity','velocity','stress','volume','mass' /
 &checkpoint  {checkpoint} /
 """
-# name: time, law, what the message says, which field of the snapshot shows it
+# name: time, law, text of the message, field of the snapshot that shows the error
 UNSTABLE = "dt_fixed=0.08 dt_collapse=0"
 CASES = {
     "not_finite": (UNSTABLE, "elastic", "stress is not a finite number"),
@@ -46,13 +46,13 @@ NAMED = re.compile(r"step (\d+), time +(\S+) s, .*particle (\d+) of body '(left|
 
 
 def message(run):
-    """Lines of the error, without what mpiexec adds and the hint at scree --explain."""
+    """Lines of the error, without the output of mpiexec and the hint at scree --explain."""
     lines = run.output.split("-----")[0].splitlines()
     return [line for line in lines if line.strip() and "scree --explain" not in line]
 
 
 def shown(kind, particle):
-    """Does the particle in the snapshot show what the message says?"""
+    """True if the particle in the snapshot has the error of the message."""
     speed = np.sqrt((particle["velocity"] ** 2).sum())
     ratio = particle["volume"] * 1000.0 / particle["mass"]
     return {"not_finite": not np.isfinite(particle["stress"]).all(),
@@ -62,7 +62,7 @@ def shown(kind, particle):
 
 @pytest.fixture(autouse=True)
 def needs_guards(options):
-    """A build that traps bad numbers stops before the bounds do."""
+    """A build that traps floating point exceptions stops before the bounds do."""
     answer = subprocess.run([options.scree, "--version"], stdout=subprocess.PIPE, text=True, check=True)
     if " Debug " in answer.stdout:
         pytest.skip("a build that traps bad numbers stops before the bounds do")
@@ -70,7 +70,7 @@ def needs_guards(options):
 
 @pytest.mark.parametrize("kind", CASES)
 def test_stops(options, sheet, kind):
-    """One kind of fault, on two layouts."""
+    """One kind of error, with two numbers of ranks and threads."""
     time, law, words = CASES[kind]
     texts = []
     for ranks, threads in ((1, 1), (2, 2)):
@@ -98,7 +98,7 @@ def test_stops(options, sheet, kind):
 
 
 def test_state_before(options, sheet):
-    """Good checkpoints stay, and the same run to the step before gives that state."""
+    """Valid checkpoints are kept, and the same run up to the step before reproduces that state."""
     run = case.Case(options, "before", DECK.format(
         time=UNSTABLE + " speed_max=1e6", law="elastic", checkpoint="dt=0.08 keep=1"))
     run.run("-q", expect=4)

@@ -2,10 +2,10 @@
 """A hot corner in a closed box of cold gas, with the artificial heat flux.
 
 Would catch: a flux that takes more energy from nodes or particles than they have (before it was limited, 2 % of the
-particles of this gas went to -1.3e6 J/kg, four times their energy at the start with the other sign, and the pressure
-hid it), a limit that loses energy, and one that depends on ranks.
+particles of this gas had -1.3e6 J/kg, minus four times their initial energy, which was not visible in the pressure), a
+limit that loses energy, and one that depends on ranks.
 
-No particle may have an energy below zero in any of six snapshots. Books: 1e-12. Bits: those of one rank.
+No particle may have a negative energy in any of six snapshots. Balances: 1e-12. Bits: those of one rank.
 """
 # timeout: 120
 

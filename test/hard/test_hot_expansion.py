@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Spheres that vaporise on a sheet expand for ten diameters and stay physical: lead at 6.58 km/s, aluminium at 12 km/s.
+"""Spheres that vaporise on a sheet expand to ten diameters with physical states: lead at 6.58 km/s, aluminium at 12
+km/s.
 
 Would catch: a Grueneisen number that grows with the volume, as with Gamma rho = constant. A particle in tension at 130
-times its first volume then got energies below those of cold material and threw its neighbours away with 280 km/s (exit
-code 4 for lead, with the preset and without a limit of tension), and vapour was at 0 K. Also tension that does not end
-as the density goes to 0 (published form of Tillotson): -730 MJ/kg in one particle with a closed energy balance.
+times its initial volume then got energies below those of cold material and accelerated its neighbours to 280 km/s (exit
+code 4 for lead, with the preset and without a limit of tension), and vapour had 0 K. Also tension that does not vanish
+as the density tends to 0 (published form of Tillotson): -730 MJ/kg in one particle with a closed energy balance.
 
-The sphere is as wide as 9.4 cells, the sheet as thick as 4: too coarse for the shape of the cloud, but hot and thin.
-Limits: the free surface of shocked material flies with the impact speed and a few per cent, so expansion does not
-exceed 1.3 of it. Energies are above that of cold material at rest, 0, and in the second half of the run below v^2/2,
-all the kinetic energy of a particle as heat; before that, artificial viscosity heats single particles to 2 v^2/2.
+The sphere has a diameter of 9.4 cells, the sheet a thickness of 4: too coarse for the shape of the cloud, but hot and
+thin. Limits: the free surface of shocked material moves with the impact speed and a few per cent more, so expansion
+does not exceed 1.3 times it. Energies are above that of cold material at rest, 0, and in the second half of the run
+below v^2/2, the whole kinetic energy of a particle as heat; before that, artificial viscosity heats single particles to
+2 v^2/2.
 """
 # tiers: full
 # timeout: 180
@@ -53,7 +55,7 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_fly(options, sheet, name):
-    """One impact: it ends, its ledger closes, and its states are physical."""
+    """One impact: the run ends, its balances close, and its states are physical."""
     material, speed, density, end, scene = CASES[name]
     run = case.Case(options, name, DECK.format(material=material, speed=speed, end=end, **scene)).run("-q")
     sheet.below(f"{name}: energy", run.summary["ledger"]["energy_error"], 1.0e-6)

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Eighteen impacts at 2 to 15 km/s: metals, glass and sand, normal and oblique, one plate and two, coarse cells.
 
-Would catch: a run that ends for a particle of no account, energy made or lost in debris, particles that fly or heat
-without a cause, a line `trust` that is bad where nothing is wrong, or a healthy one where something is.
+Would catch: a run that stops because of an unimportant particle, energy gained or lost in debris, particles that
+accelerate or heat up without a physical cause, a line `trust` that reports "bad" for a valid run, or "ok" for an
+invalid one.
 
-A sphere 4 mm wide meets a plate, cells of 0.25 to 1 mm, all other keys at their defaults. Decks are in the plane,
-around the axis and in space, and run until the sphere would have flown ten of its radii.
+A sphere of 4 mm diameter meets a plate, cells of 0.25 to 1 mm, all other keys at their defaults. Decks are in plane
+strain, axisymmetric and 3-D, and run until the sphere would have flown ten of its radii.
 
-Limits. Speed: the fastest jet of surfaces that close on each other (J. M. Walsh, R. G. Shreffler, F. J. Willig,
-J. Appl. Phys. 24 (1953) 349): a jet begins where the place of touch runs no faster than the shock, tan a = w/U with the
-normal speed w and U = c0 + s w/2, and leaves halfway between the surfaces; see doc/theory/viscosity.md. Energy per
-mass: what stops at rest from that speed. Energy balance: 1e-9; sand carries no internal energy, so what transfers
-filter is missing, a known miss held at the 10 % at which `trust` becomes bad. The verdict of `trust` must not be bad,
-of any entry; noise of pressure is a known miss of seven, held at 1, beyond which nodes would see nothing.
+Limits. Speed: the fastest jet of converging surfaces (J. M. Walsh, R. G. Shreffler, F. J. Willig, J. Appl. Phys. 24
+(1953) 349): a jet begins where the point of contact moves no faster than the shock, tan a = w/U with the normal speed w
+and U = c0 + s w/2, and leaves halfway between the surfaces; see doc/theory/viscosity.md. Energy per mass: that of
+material stopped from that speed. Energy balance: 1e-9; sand carries no internal energy, so the energy that transfers
+filter is missing, a known miss held at the 10 % at which `trust` becomes bad. The verdict of `trust` must not be bad
+for any entry; noise of pressure is a known miss in seven runs, held at 1, beyond which nodes would not resolve the
+pressure at all.
 """
 # tiers: full, long
 # timeout: 900
@@ -66,8 +68,8 @@ IMPACTS = {
 }
 FULL = ("al_al_2", "steel_lead_3", "al_al_5_oblique", "al_al_15_two")
 NOISY = ("al_al_12", "al_al_5_oblique", "al_al_7_plane", "steel_lead_3", "lead_lead_6", "al_steel_10", "al_sand_3")
-# c0 in km/s and slope of the shock speed of the presets, of glass and sand the speed of waves; the jet of the stiffer
-# of two materials begins first
+# c0 in km/s and slope of the shock speed of the presets, for glass and sand the wave speed; the jet of the stiffer of
+# two materials begins first
 SHOCKS = {"al_2024_t351": (5.328, 1.338), "al_2017_t4": (5.328, 1.34), "al_6061_t6": (5.24, 1.40),
           "cu_ofhc": (3.94, 1.489), "steel_4340": (3.574, 1.92), "lead": (2.092, 1.45), "glass_soda_lime": (5.828, 0.0),
           "sand_dry": (0.264, 0.0)}
@@ -81,7 +83,7 @@ def fastest_jet(one, two, speed, degrees):
     angle = np.arctan(normal / shock)
     touch = normal / np.tan(angle)
     mean = 0.5 * (touch + normal / np.sin(angle))
-    # an oblique ball carries the place of touch with it
+    # with an oblique ball the point of contact moves along the plate
     return np.hypot(along + touch + mean * np.cos(0.5 * angle), mean * np.sin(0.5 * angle)) / speed
 
 

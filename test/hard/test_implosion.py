@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An imploding cylinder: neighbours that come apart are seen, and halving rings cures it.
+"""An imploding cylinder: separated neighbours are detected, and splitting of rings cures the separation.
 
-Would catch: a stretch of 3 between layers that nobody notices, neighbours that are looked for in one body only,
-rings that are halved into equal masses or not at all, axial momentum or energy that halving makes, halves of several
-materials in each other's books, failed matter that is halved for ever, bits that depend on ranks or a restart.
+Would catch: a stretch of 3 between layers that is not detected, neighbours that are searched in one body only, rings
+that are split into equal masses or not at all, axial momentum or energy that splitting creates, halves of several
+materials recorded for the wrong material, failed material that is split without end, bits that depend on ranks or a
+restart.
 
 A shell of radii 1 and 1.2 m flows inwards with u = -1/r m/s, nearly incompressible, with a small yield strength Y.
 With q = a da/dt, b^2 - a^2 constant and L = ln(b/a) the energy balance is d(q^2 L)/dt = -4/sqrt(3) Y/rho |q| L,
-integrated here. Layers of two particles a cell drift apart by more than a cell and feel each other no more: q is
-then off by 1 %. What splitting must reach is the accuracy of four particles a cell, whose layers stay within a cell;
-it may have twice its error, as a particle is twice as large before it is halved.
+integrated here. With two particles per cell, layers separate by more than a cell and no longer interact: q then has an
+error of 1 %. Splitting must reach the accuracy of four particles per cell, whose layers remain within a cell; its error
+may be twice as large, because a particle is twice as large before it is split.
 """
 # tiers: smoke, full
 # timeout: 400
@@ -35,7 +36,7 @@ SHELL = """
 &output  name='h'  kind='history'  every=50  fields='stretch','stretched_share' /
 &checkpoint  at_end=.false. /
 """
-# A rod of two materials that is drawn out along the axis and thins; the softer end fails.
+# A rod of two materials that is stretched along the axis and becomes thinner; the softer end fails.
 ROD = """
 &run  dimension='axisymmetric' /
 &grid  lo=0,0,0  hi=8,1,40  dx=1 /
@@ -54,7 +55,7 @@ ROD = """
 
 
 def layers(per_cell):
-    """Bodies of one layer each, which move as the shell does."""
+    """Bodies of one layer each, with the velocities of the shell."""
     count, text = CELLS * per_cell, ""
     for n in range(count):
         low, high = (INNER + (OUTER - INNER) * (n + m) / count for m in (0, 1))
@@ -74,7 +75,7 @@ def rate(radius, q):
 
 
 def closed(end, steps=4000):
-    """Inner radius and q at the end, by Runge and Kutta."""
+    """Inner radius and q at the end, by a Runge-Kutta method."""
     state, step = np.array([INNER, -1.0]), end / steps
     for _ in range(steps):
         first = rate(*state)
@@ -102,14 +103,14 @@ def implode(options, sheet, name, per_cell, split):
 
 
 def test_shells(options, sheet):
-    """Two particles a cell, four, and two that are halved."""
+    """Two particles per cell, four, and two that are split."""
     (coarse, _), run = implode(options, sheet, "two", 2, ".false.")
     trust, column = run.summary["trust"]["stretch"], run.history
     said = [line for line in run.path(".log").read_text().splitlines() if "of the mass neighbours are" in line]
     sheet.require(len(said) == 1 and "split" in said[0] and "ppc" in said[0],
                   f"two: one warning with the remedy: {said}")
     sheet.require(trust["verdict"] == "bad", f"two: the stretch is bad: {trust}")
-    # the inner layer is stretched by r0/r = 3.3 and had half a cell
+    # the inner layer is stretched by r0/r = 3.3 and initially had half a cell
     sheet.near("two: distance of neighbours [cells]", trust["greatest"], 0.5 * INNER / closed(END)[0], 0.1)
     sheet.require(column["stretched_share"][0] == 0.0 < column["stretched_share"][-1], "two: the column shows it")
     (halved, _), run = implode(options, sheet, "split", 2, ".true.")
@@ -124,7 +125,7 @@ def test_shells(options, sheet):
 
 
 def rod():
-    """Discs along the axis, the upper half of another material, that part with a uniform gradient."""
+    """Discs along the axis, the upper half of another material, that separate with a uniform velocity gradient."""
     text = ""
     for n in range(32):
         low = 12.0 + n / 2
@@ -135,7 +136,7 @@ def rod():
 
 
 def test_books(options, sheet):
-    """Two materials, one that fails: balances, identities, ranks and a restart."""
+    """Two materials, one of which fails: balances, identities, ranks and a restart."""
     counts = {}
     for failure in (2.0e-2, 1.0e9):
         deck = ROD.format(failure=failure, bodies=rod())
@@ -149,7 +150,7 @@ def test_books(options, sheet):
         sheet.below(f"{name}: error of energy", abs(ledger["energy_error"]), 1.0e-13)
         sheet.require(len(set(fields["identity"])) == len(fields["identity"]), f"{name}: identities come once")
         parts = fields["identity"] >= 2 ** 40
-        # the weak half fails before it is long enough
+        # the weak half fails before its particles are long enough to be split
         sheet.require(set(fields["material"][parts]) == ({1} if failure < 1.0 else {1, 2}), f"{name}: who has halves")
         sheet.require(bool(fields["failed"].any()) == (failure < 1.0), f"{name}: {int(fields['failed'].sum())} failed")
     sheet.below("rod: halved with failure over that without", counts["rod_fails"] / counts["rod"], 1.0)

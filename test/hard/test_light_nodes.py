@@ -1,24 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Nodes with next to no mass: a loaded lone particle beside a node, and a loose spray at 7 km/s.
+"""Nodes of very small mass: a loaded isolated particle near a node, and a loose spray at 7 km/s.
 
-Would catch: the force of a light node over its mass in the strain of particles (without the bound of
-step_move_nodes a lone particle 1e-3 of a cell beside a node grows by a factor of ten in one step), work
-that does not fit to it, particles that light nodes throw ahead of the fastest body.
+Would catch: the force of a node of small mass divided by its mass in the strain of particles (without the bound of
+step_move_nodes an isolated particle 1e-3 of a cell beside a node expands by a factor of ten in one step), work that is
+not consistent with that strain, particles that nodes of small mass accelerate beyond the fastest body.
 
-A lone particle moves in one step from the middle of its cell to the distance s from a node, under a pressure of 0.05
-% or 5 % of the modulus. Its strain of the next step may be 1 %, and twice that which it has in the middle of the cell
-where that is more, as the bound lets light nodes move by 3e-3 of a cell. Energy is kept to 1e-9, the target. Work and
-lost energy of the lightest node are p2 dt2/(2 rho m) with its mass m, which is 1e-42 of the particle 1e-14 of a cell
-import pytest
-from three faces, and cancel: one rounding of them is what the energy may be off by; the limit is ten of them. Beyond
-1e-12 of the mass (1e-4 of a cell in 3-D) that is more than the target, and the energy of the particle is spoiled: a
-known miss.
+An isolated particle moves in one step from the middle of its cell to the distance s from a node, under a pressure of
+0.05 % or 5 % of the modulus. Its strain in the next step may be 1 %, or, if that is more, twice the strain that it has
+in the middle of the cell, because the bound allows nodes of small mass to move by 3e-3 of a cell. Energy is conserved
+to 1e-9, the target. Work and lost energy of the node of smallest mass are p2 dt2/(2 rho m) with its mass m, which is
+1e-42 of the mass of the particle 1e-14 of a cell from three faces, and cancel: the rounding error of these terms is the
+possible error of the energy; the limit is ten times that. For a node with less than 1e-12 of the mass (1e-4 of a cell
+in 3-D) this is more than the target, and the energy of the particle is inaccurate: a known miss.
 
 One of the grains ends up to 14 % faster than any was at the start. It is at the edge of the wall when the grain
-behind it presses it to 65 GPa, and escapes past the edge: its sideways speed of 5.3 km/s is the release of that
-pressure. How fast it gets hangs on where it is then: 1.02 with cfl = 0.2 or transfer = 'flip', 1.01 with APIC, 1.12
-with stress_update = 'musl'. The target is 1.05, which XPIC meets; with the default it is a known miss, held at
-1.41: no grain may have more than twice its energy.
+behind it compresses it to 65 GPa, and escapes past the edge: its lateral speed of 5.3 km/s is the release of that
+pressure. Its final speed depends on its position at that moment: 1.02 with cfl = 0.2 or transfer = 'flip', 1.01 with
+APIC, 1.12 with stress_update = 'musl'. The target is 1.05, which XPIC meets; with the default it is a known miss, held
+at 1.41: no grain may have more than twice its energy.
 """
 # timeout: 120
 
@@ -58,11 +57,11 @@ SPRAY = """
 &checkpoint  at_end=.false. /
 """
 SPEED = 7000.0
-KEPT = 1.0e-9                          # of the energy of a lone particle
+KEPT = 1.0e-9                          # of the energy of an isolated particle
 
 
 def lone(options, sheet, worst, dimension, share, distance):
-    """Strain of the step of a lone particle at a distance from a node, and the distance."""
+    """Strain of the step of an isolated particle at a distance from a node, and the distance."""
     step = 0.3 / 6400.0
     speed = -(0.5 - distance) / step
     velocity = f"{speed!r},0,0" if dimension == "1d" else f"{speed!r},{speed!r},{speed!r}"
@@ -107,7 +106,7 @@ def test_lone_particles(options, sheet):
     ("spray_xpic", ("-s", "method.transfer='xpic'")),
 ])
 def test_spray(options, sheet, name, words):
-    """Grains of one particle, a cell apart, fly into a wall of one particle a cell."""
+    """Grains of one particle each, a cell apart, fly into a wall of one particle per cell."""
     grains = ""
     for n in range(9):
         for m in range(4):

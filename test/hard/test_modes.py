@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Modes that nodes do not see, and modes that the mean gradient does not see.
+"""Modes that nodes do not resolve, and modes that the mean gradient does not resolve.
 
-Would catch: a filter of velocities that leaves the velocities of particles against each other in a cell, or
-that takes the motion of the body with it; a dual gradient without local part, to which nodes that move
-against each other are no strain.
+Would catch: a velocity filter that does not damp opposite velocities of the particles in a cell, or that damps the
+motion of the body too; a dual gradient without a local part, which gives no strain for nodes that move in opposite
+directions.
 
-Particles in a cell against each other make no velocity of nodes, so nothing acts on them and only the way back can
-take the mode: FLIP keeps its share `flip` of it in each step, so `flip`**100 after 100 steps, to rounding; with XPIC,
-FMPM and APIC the mode must fade by 99 % in 100 steps, while the energy of a free vibration of 25 cells keeps 99 % in
-a period. Nodes against each other: with alpha_0 of a quarter and more this is an oscillation, whose amplitude does not
-grow (5 % for the half step between velocity and stress); with alpha_0 = 0 no stress sees it and it stays to rounding.
+Opposite velocities of the particles in a cell give no node velocity, so no force acts and only the transfer from nodes
+to particles can damp the mode: FLIP keeps the fraction `flip` of it in each step, so `flip`**100 after 100 steps, to
+rounding; with XPIC, FMPM and APIC the mode must decay by 99 % in 100 steps, while the energy of a free vibration of 25
+cells keeps 99 % in a period. Opposite velocities of nodes: with alpha_0 of a quarter and more this is an oscillation,
+whose amplitude does not grow (5 % for the half step between velocity and stress); with alpha_0 = 0 it causes no stress
+and remains unchanged to rounding.
 """
 # timeout: 120
 
@@ -34,7 +35,8 @@ SPEED = 1.0e-4
 
 
 def halves(sign):
-    """Bodies of one particle, two a cell; `sign` tells their velocities from their number."""
+    """Bodies of one particle each, two per cell; `sign` gives the sign of the velocity of a particle from its
+    number."""
     text = ""
     for n in range(32):
         text += (f"&region  name='r{n}'  shape='box'  lo={n / 2},0,0  hi={(n + 1) / 2},1,1 /\n"
@@ -44,7 +46,7 @@ def halves(sign):
 
 
 def amplitude(run, sign):
-    """Share of a pattern in the velocities, of each snapshot."""
+    """Fraction of a pattern in the velocities, in each snapshot."""
     shares = []
     for _, snap in run.snapshots():
         velocity = snap.fields["velocity"][np.argsort(snap.points[:, 0]), 0]
@@ -53,7 +55,7 @@ def amplitude(run, sign):
 
 
 def test_in_cells(options, sheet):
-    """Particles of a cell against each other."""
+    """Particles of a cell with opposite velocities."""
     def sign(n):
         return (-1) ** n
     for name, words, kept in (("default", "", 0.999),
@@ -79,7 +81,7 @@ def test_in_cells(options, sheet):
 
 
 def test_of_nodes(options, sheet):
-    """Nodes against each other: particles on both sides of a node go with it."""
+    """Nodes with opposite velocities: particles on both sides of a node move with it."""
     def sign(n):
         return (-1) ** ((n + 1) // 2)
     for alpha in (0.0, 0.25, 0.5, 1.0):

@@ -1,25 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A sphere meets a sheet at 7 km/s under 45 degrees and flies on as debris; the same scene in a mirror.
+"""A sphere meets a sheet at 7 km/s and 45 degrees and continues as debris; the same scene as a mirror image.
 
-Would catch: failed particles that keep stress and run away (greatest speed), momentum or energy lost in debris, a
-side that is treated otherwise than its opposite, particles that run away in other directions than that of the jet.
+Would catch: failed particles that keep stress and accelerate (greatest speed), momentum or energy lost in debris, a
+side that is treated differently from the opposite one, particles that accelerate in other directions than that of the
+jet.
 
-Where two surfaces meet, the place at which they touch runs ahead; once it is slower than the shock a jet leaves there
-(J. M. Walsh, R. G. Shreffler, F. J. Willig, J. Appl. Phys. 24 (1953) 349). Where the sphere is inclined by a to the
-sheet that place runs with V = u + w/tan a, with u = w = 4.95 km/s. Seen from there the
-surfaces flow in with V and w/sin a, and a jet of their mean speed leaves halfway between them: 18 km/s (2.6 times
-the impact) for a = 45 degrees, 14 km/s (2.0 times) for 60, 14 to 10 degrees above the sheet. So no particle may be
-faster than 2.6 times the impact (those of the jet are judged alone, H-20 in test/hard/README.md), and the fastest must
-reach 2.0, as far as a jet of less than a cell is seen: three quarters of that, as its particles share their nodes with
-what follows. Its angle is a known miss of 14 degrees, held at 22.5: half of the angle of the surfaces of the fastest
-jet, seen from where they touch, which only gets flatter for one who rests. The jet is made of what lay at the surfaces:
-one layer of particles of the ball where it is inclined by more than 45 degrees to the side ahead, and as much of the
-sheet, are 1.3 % of all. All of it is at least as fast along the sheet as the ball was. After 4 us the jet has left and
-nothing is faster than the impact.
+Where two surfaces converge, their point of contact moves along them; once it is slower than the shock a jet leaves
+there (J. M. Walsh, R. G. Shreffler, F. J. Willig, J. Appl. Phys. 24 (1953) 349). Where the surface of the sphere is
+inclined by a to the sheet, that point moves with V = u + w/tan a, with u = w = 4.95 km/s. In its frame the surfaces
+flow in with V and w/sin a, and a jet of their mean speed leaves halfway between them: 18 km/s (2.6 times the impact)
+for a = 45 degrees, 14 km/s (2.0 times) for 60, 14 to 10 degrees above the sheet. So no particle may be faster than 2.6
+times the impact (particles of the jet are checked separately, H-20 in test/hard/README.md), and the fastest must reach
+2.0, as far as a jet of less than a cell is resolved: three quarters of that, because its particles share their nodes
+with slower material. Its angle is a known miss of 14 degrees, held at 22.5: half of the angle of the surfaces of the
+fastest jet in the frame of the point of contact, which is only smaller in the frame at rest. The jet consists of
+material from the surfaces: one layer of particles of the ball where it is inclined by more than 45 degrees to the side
+ahead, and as much of the sheet, are 1.3 % of all. All of it is at least as fast along the sheet as the ball was. After
+4 us the jet has left and nothing is faster than the impact.
 
-Mirror images are not the same bits, because the nodes of a cell are added in one order of places; rounding grows in
-debris. After 20 steps, when the shock is on its way, they agree to 1e-11: rounding that grew by a factor of 10 in 5
-steps. The cloud is coarse, 3 cells through the sheet: its books and its fastest particles are judged.
+Mirror images do not have the same bits, because the nodes of a cell are added in a fixed order of positions; rounding
+errors grow in debris. After 20 steps, when the shock propagates, they agree to 1e-11: rounding that grew by a factor of
+10 in 5 steps. The cloud is coarse, 3 cells through the sheet: only its balances and its fastest particles are checked.
 """
 # tiers: smoke, full
 # timeout: 120
@@ -48,7 +49,7 @@ DECK = """
 
 
 FASTEST, SLOWEST = 2.6, 2.0            # jets at 45 and at 60 degrees, over the impact
-SLOPE = 1.338                          # of the Hugoniot: no shock presses to less than (s - 1)/s of the volume
+SLOPE = 1.338                          # of the Hugoniot: no shock compresses to less than (s - 1)/s of the volume
 
 
 def fly(options, name, sign, steps, count, speed="4.95"):
@@ -60,7 +61,7 @@ def fly(options, name, sign, steps, count, speed="4.95"):
 
 
 def ordered(snaps, sign):
-    """Last places and velocities, in the order of the lattice that a mirror does not change."""
+    """Last positions and velocities, in the order of the lattice, which mirroring does not change."""
     first, last = snaps[0], snaps[-1]
     sites = np.round(first.points * (sign, 1, 1) * 4.0e3 + 0.5).astype(int)
     who = first.fields["identity"][np.lexsort(sites.T)]

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pieces of one body that failed material separates: they slide with friction, part, meet again and rebound.
+"""Parts of one body that failed material separates: they slide with friction, separate, meet again and rebound.
 
-Would catch: pieces that stick to each other through the velocities of the mesh, as they do without contact of the body
-with itself; friction between them that is not mu times the push; sides that are chosen by noise, so that a piece
-takes particles of the other along; pieces that come back and stick, or pull at each other; momentum that the sums of
-both sides lose; sides that depend on ranks, threads or a restart; a disc that splits at another load; and a body
-that changes although nothing in it fails; heat of contact that is not booked.
+Would catch: parts that stick to each other through the velocities of the grid, as they do without self-contact;
+friction between them that is not mu times the normal force; sides that are determined by noise, so that a part drags
+particles of the other one along; parts that return and stick, or attract each other; momentum that the sums of both
+sides lose; sides that depend on ranks, threads or a restart; a disc that splits at another load; a body that changes
+although nothing in it fails; and heat of contact that is not recorded.
 
 Limits. Block on a failed bed: as for two bodies (test_contact.py), 1e-3 of the acceleration once it slides, and the
-speed of free fall for the time of a pressure wave through its height if it sticks. Two halves of a bar: what two bodies
-keep of their velocity within 2 %, one cell of a bar; momentum to rounding. Disc between platens: it splits where the
-greatest tension of the line load, 2 P/(pi D t), is the strength (G. Hondros, Aust. J. Appl. Sci. 10 (1959) 243), 5 %.
+speed of free fall for the time of a pressure wave through its height if it sticks. Two halves of a bar: the velocity
+that remains with two bodies, within 2 %, one cell of a bar; momentum to rounding. Disc between platens: it splits where
+the greatest tension of the line load, 2 P/(pi D t), is the strength (G. Hondros, Aust. J. Appl. Sci. 10 (1959) 243), 5
+%.
 """
 # tiers: smoke, full
 # cores: 2
@@ -50,8 +51,8 @@ SLIDE = """
 &output  name='p'  kind='particles'  count=20  fields='identity','body','mass','velocity'  precision='double' /
 """
 
-# Two halves of a bar fly apart, turn round at the ends of the box, meet and part again. The material between them
-# fails as they leave.
+# Two halves of a bar fly apart, reverse at the ends of the box, meet and separate again. The material between them
+# fails as they separate.
 BAR = """
 &run  dimension='1d' /
 &grid  lo=-1.1,0,0  hi=1.1,1,1  dx=0.02 /
@@ -119,7 +120,7 @@ BALL = """
 
 
 def slide_deck(law, angle, itself=True):
-    """A block whose sole has failed on a bed that has failed."""
+    """A block whose base has failed on a bed that has failed."""
     along, down = float(10.0 * np.sin(np.radians(angle))), float(-10.0 * np.cos(np.radians(angle)))
     return SLIDE.format(along=along, down=down, contact="contact=.true." if itself else "",
                         field="field=1" if itself else "",
@@ -127,7 +128,7 @@ def slide_deck(law, angle, itself=True):
 
 
 def block(options, name, law, friction=0.0, itself=True):
-    """Acceleration of the block along the slope plus friction times normal to it, and its last velocity."""
+    """Acceleration of the block along the slope plus friction times that normal to it, and its last velocity."""
     run = case.Case(options, name, slide_deck(law, 20.0, itself)).run("-q")
     return slope.sliding(run, lambda snap: snap.fields["body"] >= 3, SETTLED, friction)
 
@@ -188,7 +189,7 @@ def test_layouts(options, sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_ball(options, sheet):
-    """In space, with internal energy: the same bits, closed books."""
+    """In space, with internal energy: the same bits, closed balances."""
     balls = {}
     law = "&contact  bodies='ball','ball'  friction=0.3 /"
     for name, words, ranks, threads in (("ball", law, 1, 1), ("ball_ranks", law, 2, 1), ("ball_threads", law, 1, 2),

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Particles on faces, edges and corners of cells and one rounding beside them; the same at the end of the box.
+"""Particles on faces, edges and corners of cells and one rounding beside them; the same at the boundaries of the box.
 
-Would catch: a particle that two cells or none own, mass that nodes miss, a result that jumps when a particle is one
-rounding to the other side of a face, mass or momentum or energy that leaves through an edge or a corner
-unbooked.
+Would catch: a particle that two cells or none own, mass missing at the nodes, a result that jumps when a particle is
+one rounding on the other side of a face, mass, momentum or energy that leaves through an edge or a corner without being
+recorded.
 """
 # timeout: 120
 
@@ -13,7 +13,7 @@ import numpy as np
 
 import case
 
-# Particles begin in the middles of cells; half a cell of flight in each step brings them to nodes.
+# Particles begin in the middles of cells; half a cell of flight per step brings them to nodes.
 DECK = """
 &run  dimension='{dimension}'  method='{method}' /
 &method  {words} /
@@ -34,7 +34,7 @@ STEP = 1.0e-5
 
 
 def flight(options, name, steps, away):
-    """A block under pressure whose particles come to lie on nodes, or `away` of them [cell]."""
+    """A block under pressure whose particles move onto nodes, or to a distance `away` from them [cell]."""
     speed = 0.5 * (1.0 + away) / STEP
     run = case.Case(options, name, DECK.format(
         dimension="3d", method="ddmp", words="", steps=steps, every=steps, time=f"dt_fixed={STEP}",
@@ -49,7 +49,7 @@ def flight(options, name, steps, away):
 def test_beside_nodes(options, sheet):
     """Exactly on nodes, one rounding before and one behind: the same stress one step later."""
     tiny = 2.0**-51
-    # roundings of nine steps add up
+    # rounding errors of nine steps add up
     for steps, limit in ((2, 1.0e-12), (9, 1.0e-11)):
         runs = [flight(options, f"beside_{steps}_{n}", steps, n * tiny) for n in (-1, 0, 1)]
         stress = [fields["stress"] for _, fields, _, _ in runs]
@@ -65,7 +65,7 @@ def test_beside_nodes(options, sheet):
 
 
 def test_leave(options, sheet):
-    """A lone particle leaves through each face, edge and corner; nothing is missing in the books."""
+    """An isolated particle leaves through each face, edge and corner; the balances have no error."""
     worst = np.zeros(4)
     count = 0
     for way in itertools.product((-1, 0, 1), repeat=3):
@@ -91,7 +91,7 @@ def test_leave(options, sheet):
 
 
 def test_cloud(options, sheet):
-    """A cloud that its pressure drives apart leaves at 10 km/s through all open faces."""
+    """A cloud that its pressure expands leaves at 10 km/s through all open boundaries."""
     run = case.Case(options, "cloud", DECK.format(
         dimension="3d", method="ddmp", words="", steps=100000, every=100000, time="",
         region="lo=3,3,3 hi=6,6,6", faces="", energy=3.0e7,

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A million random states of every law, and of every combination of models that go together.
+"""A million random states of every law, and of every compatible combination of models.
 
-The unit tests of the catalogue with more states; they say what they would catch: numbers that are
-none, energy that flow makes, sound that is not real, and stress outside of the yield surface.
+The unit tests of the catalogue with more states; they state what they would catch: NaN, energy created by flow, a sound
+speed that is not real, and stress outside of the yield surface.
 """
 # tiers: long
 # timeout: 3000
@@ -15,7 +15,7 @@ import pytest
 
 @pytest.mark.parametrize("name", ["test_material_catalogue", "test_material_random"])
 def test_random_states(options, name):
-    """A program that is missing has not been built."""
+    """A missing program has not been built."""
     build = options.scree.parents[1]
     found = [file for file in (build / "test" / "unit").rglob(name) if file.is_file()]
     assert len(found) == 1, f"{name} is not in {build}/test/unit; build the tests first"

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Particles that leave their bounds, or fail, are taken out, and the books still close.
+"""Particles that leave their bounds, or fail, are removed, and the balances still close.
 
-Would catch: what is taken out booked twice, not at all, or in the row of what left the box; a count
-that depends on ranks or threads or is lost in a restart; particles that are named or limit the step after
-they went; a number that is none and does not stop the run; a run that goes on with most of its mass gone.
+Would catch: removed particles that are recorded twice, not at all, or in the row of the outflow; a count that depends
+on ranks or threads or is lost in a restart; particles that are named or limit the step after their removal; a NaN that
+does not stop the run; a run that continues with most of its mass removed.
 """
 # timeout: 120
 
@@ -11,7 +11,7 @@ import numpy as np
 
 import case
 
-# Soft blocks meet far above their sound speed, off centre, and nothing resists but the stress.
+# Soft blocks meet far above their sound speed, off centre, with no resistance but their stress.
 STREAMS = """
 &run  dimension='plane_strain'  method='{method}' /
 &grid  lo=0,0,0  hi=24,1,12  dx=1 /
@@ -31,7 +31,7 @@ ELASTIC = "young=1.0e6  poisson=0.3  strength_model='elastic'"
 HOT = ("eos_model='mie_gruneisen'  mg_c0=35  mg_s=0.1  mg_gamma=2  shear=4.0e5  specific_heat=875"
        "  strength_model='elastic'")
 
-# A brittle bar that is torn.
+# A brittle bar that is torn apart.
 TORN = """
 &run  dimension='plane_strain' /
 &grid  lo=0,0,0  hi=40,1,8  dx=1 /
@@ -51,7 +51,7 @@ TORN = """
 
 
 def books(sheet, name, run, energy):
-    """Close, with a row of their own for what was taken out. The entries at the end."""
+    """The balances close, with separate entries for removed particles. The entries at the end."""
     ledger = run.summary["ledger"]
     for what, limit in (("mass", 1.0e-14), ("momentum", 1.0e-12), ("energy", energy)):
         sheet.below(f"{name}: error of {what}", ledger[f"{what}_error"], limit)
@@ -59,7 +59,7 @@ def books(sheet, name, run, energy):
 
 
 def test_streams(options, sheet):
-    """Streams whose particles turn inside out."""
+    """Streams whose particles become inverted."""
     for name, matter, thermal, energy in (("elastic", ELASTIC, ".false.", 1.0),
                                           ("hot", HOT, ".true.", 1.0e-12)):
         for method in ("ddmp", "mpm"):
@@ -112,7 +112,7 @@ def test_layouts(options, sheet):
 
 
 def test_not_finite(options, sheet):
-    """Numbers that are none stop the run all the same."""
+    """A NaN stops the run even if particles are retired."""
     deck = STREAMS.format(method="ddmp", matter=ELASTIC, thermal=".false.", checkpoint="",
                           time="dt_fixed=0.2 dt_collapse=0 on_bad='retire' retire_max=1")
     run = case.Case(options, "not_finite", deck).run("-q", "-s", "time.volume_ratio_min=0",
@@ -122,7 +122,7 @@ def test_not_finite(options, sheet):
 
 
 def test_erosion(options, sheet):
-    """Failed particles go, in any layout; without the effect they stay."""
+    """Failed particles are removed, with any ranks and threads; without the effect they remain."""
     stay = case.Case(options, "stay", TORN.format(erosion=".false.", checkpoint="")).run("-q")
     failed = stay.summary["ledger"]["end"]["failed_mass"]
     sheet.above("erosion: failed mass that stays without it [kg]", failed, 1.0)

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Velocities that change within one step so much that the bound of the step before comes too late.
+"""Velocities that change so much within one step that the bound from the previous step comes too late.
 
-Would catch: a step that is not done again although nodes go too far in it, books that hold what
-faces and gravity did in the step that was given up, node sums of that step in the new one, ranks that do
-not agree, a step shorter than dt_min, a step that is changed although the deck fixes it.
+Would catch: a step that is not repeated although nodes move too far in it, balances that contain the action of
+boundaries and gravity in the discarded step, node sums of that step in the new one, ranks that do not agree, a step
+shorter than dt_min, a step that is changed although the deck fixes it.
 
-A step is done again if a node would move by more than half a cell, so two nodes of a cell approach each other by a cell
-at most and the logarithm of a volume changes by at most 1 in a step. Without it the streams must exceed that, and may
-end with an error.
+A step is repeated if a node would move by more than half a cell, so two nodes of a cell approach each other by a cell
+at most and the logarithm of a volume changes by at most 1 in a step. Without repetition the streams must exceed that,
+and may end with an error.
 """
 # timeout: 300
 
@@ -56,21 +56,21 @@ HOT = """
 
 
 def test_hot_gas(options, sheet):
-    """Gas beside steel, of 4e10 Pa and a density of 100 kg/m3: its steps are done again, the books stay closed.
+    """Gas next to steel, of 4e10 Pa and a density of 100 kg/m3: its steps are repeated, and the balances close.
 
-    With 1000 kg/m3 such a gas is at the limit of what `usl` bears at a free surface: of twelve runs whose energies
-    differ by 1e-5 nine end with another try and seven without, so a single one says nothing.
+    With 1000 kg/m3 such a gas is at the limit of stability of `usl` at a free surface: of twelve runs whose energies
+    differ by 1e-5 nine finish with repeated steps and seven without, so a single run proves nothing.
     """
     good = case.Case(options, "hot_with", HOT.format(
         method="ddmp", light=100, energy=1.0e9, speed=0, end=2.2e-3, time="")).run("-q")
     counts, ledger = good.summary["steps_limited_by"], good.summary["ledger"]
     sheet.above("hot gas: steps done again", counts["retry"], 1)
     sheet.require(sum(counts.values()) == good.summary["steps"], f"hot gas: all steps: {counts}")
-    # gas that expands into nothing reaches 2 c/(gamma - 1) at most
+    # a gas that expands into vacuum reaches at most 2 c/(gamma - 1)
     bound = 5.0 * np.sqrt(1.4 * 0.4 * 1.0e9)
     sheet.below("hot gas: greatest speed over that of escape",
                 good.summary["extremes"]["speed_max"] / bound, 1.0)
-    # single particles at nodes that hold a trifle of their mass round more than a closed body does
+    # isolated particles at nodes with a small fraction of their mass have larger rounding errors than a closed body
     sheet.below("hot gas: energy", ledger["energy_error"], 1.0e-10)
     sheet.below("hot gas: momentum", ledger["momentum_error"], 1.0e-12)
 
@@ -88,7 +88,7 @@ def strain_of_steps(run):
 
 
 def test_streams(options, sheet):
-    """Streams at eight times the speed of sound, for each way of straining and filtering."""
+    """Streams at eight times the speed of sound, for each stress update and velocity transfer."""
     for name, method, words in (("ddmp", "ddmp", ""), ("mpm", "mpm", ""),
                                 ("xpic", "mpm", "&method transfer='xpic' /"),
                                 ("musl", "ddmp", "&method stress_update='musl' /")):
@@ -111,7 +111,7 @@ def test_streams(options, sheet):
 
 
 def test_layouts(options, sheet):
-    """The same bits for any ranks and threads, and after a restart just before the step."""
+    """The same bits for any ranks and threads, and after a restart just before the repeated step."""
     deck = STREAMS.format(method="ddmp", words="", time="", face="friction",
                           face_words="friction=0.3")
     runs = [case.Case(options, f"layout_{ranks}_{threads}", deck, ranks, threads).run("-q")
@@ -119,7 +119,7 @@ def test_layouts(options, sheet):
     digests = [run.summary["digest"] for run in runs]
     sheet.require(len(set(digests)) == 1, f"layouts: one digest: {digests}")
     steps = runs[0].history["dt"]
-    # the first step that is shorter than the one before
+    # the first step that is shorter than the previous one
     at = int(np.argmax(steps[2:] < 0.95 * steps[1:-1])) + 1
     again = case.Case(options, "layout_again", deck, 2)
     again.run("-q", "-s", f"time.max_steps={at}")
@@ -130,7 +130,7 @@ def test_layouts(options, sheet):
 
 
 def test_refused(options, sheet):
-    """No step below dt_min: the node is named, the same for any ranks. A fixed step stays."""
+    """No step below dt_min: the node is named, the same for any ranks. A fixed step is not changed."""
     deck = STREAMS.format(method="ddmp", words="", time="dt_min=2.0e-3", face="slip", face_words="")
     texts = []
     for ranks in (1, 3):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Empty space costs nothing: a box of 10^9 cells, and debris that flies a thousand times its size.
 
-Would catch: an array of the size of the box, cell or site numbers of 32 bits, tiles that stay behind
-where nothing is left, memory that grows with the distance flown.
+Would catch: an array of the size of the box, numbers of cells or sites with 32 bits, tiles that remain where no
+particles are left, memory that grows with the distance flown.
 """
 # timeout: 300
 
@@ -80,7 +80,7 @@ def test_flight(options, sheet):
     sheet.note("distance flown by the block, in its size", 1732.0 * late[3] / 13.9)
     sheet.above("distance flown by the block, in its size", 1732.0 * late[3] / 13.9, 900.0)
     sheet.near("memory late against early", late[0], early[0], 0.05)
-    # the tiles that a block of eight cells touches depend on where it is
+    # the number of tiles that a block of eight cells touches depends on its position
     sheet.near("bytes a particle late against early", late[1], early[1], 0.2)
-    # time depends on the machine and what else it does: told, not asserted
+    # the time depends on the machine and its load: it is printed, not checked
     sheet.note("time a step late over early", late[2] / early[2])

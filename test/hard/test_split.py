@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Particles that have become long are halved, and stretched matter stays in one piece.
+"""Particles that have become long are split, so that stretched material does not separate.
 
-Would catch: halves with the mass, volume or energy of the whole, at one place, moved across instead of
-along the edge, or with velocities that do not part (they then tear apart from others); energy or angular
-angular momentum that halving makes; identities that come twice or depend on ranks, a restart that forgets edges.
+Would catch: halves with the mass, volume or energy of the whole, at the same position, displaced across the edge
+instead of along it, or with equal velocities (they then separate from their neighbours); energy or angular momentum
+that splitting creates; identities that occur twice or depend on ranks, a restart that forgets edges.
 
-Limits. With halves particles stay in touch, so the volume of an inner one is within 2 % of the stretch to the end,
-twice the error at which test_torn.py counts a bar as off, and closer than without halves. Without halves the line
-must come off before the end, or nothing is shown. Mass, momentum, energy: rounding.
+Limits. With splitting particles remain in contact, so the volume of an inner one is within 2 % of the stretch until the
+end, twice the error at which test_torn.py rates a bar as inaccurate, and closer than without splitting. Without
+splitting the line must separate before the end, or nothing is shown. Mass, momentum, energy: rounding.
 """
 # tiers: smoke, full
 # timeout: 120
@@ -18,7 +18,7 @@ import pytest
 import case
 import tier
 
-# Particles fly apart with velocities that grow with the place, turned by 30 degrees in the plane.
+# Particles fly apart with velocities that are linear in the position, rotated by 30 degrees in the plane.
 STRETCH = """
 &run  dimension='{dimension}'  method='{method}' /
 &method  split={split} /
@@ -38,7 +38,7 @@ TURN = np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])
 
 
 def line():
-    """A line of bodies along x, two particles a cell."""
+    """A line of bodies along x, two particles per cell."""
     return "".join(
         f"&region  name='r{n}'  shape='box'  lo={-4 + n / 2},-2,-60  hi={-3.5 + n / 2},2,60 /\n"
         f"&body  name='b{n}'  region='r{n}'  material='thread'  ppc=2,1,1  "
@@ -46,7 +46,7 @@ def line():
 
 
 def plate():
-    """A plate of bodies of one particle each, stretched along a turned direction."""
+    """A plate of bodies of one particle each, stretched along an inclined direction."""
     text = ""
     for i in range(16):
         for k in range(16):
@@ -66,7 +66,7 @@ def deck(method, dimension, split, end, matter=LIGHT, effects=""):
 
 
 def breaks(run):
-    """Stretch at which the volume of an inner particle is off by 2 %, and by how much at the end."""
+    """Stretch at which the volume of an inner particle has an error of 2 %, and the error at the end."""
     found, worst = np.inf, 0.0
     for time, snap in run.snapshots():
         along = np.abs(snap.points[:, [0, 2]] @ TURN) / (1.0 + time)
@@ -82,7 +82,7 @@ def breaks(run):
 
 
 def test_stretched(options, sheet):
-    """Lines and plates, with halves and without."""
+    """Lines and plates, with splitting and without."""
     problems = (("1d", 3.0), ("plane_strain", 2.5))
     for method in tier.choose(("ddmp", "mpm"), smoke=("ddmp",)):
         for dimension, end in tier.choose(problems, smoke=problems[:1]):
@@ -110,7 +110,7 @@ def test_stretched(options, sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_books(options, sheet):
-    """Energy of matter that carries it, ranks, threads and a restart."""
+    """Energy of material that carries it, ranks, threads and a restart."""
     text = deck("ddmp", "plane_strain", ".true.", 1.0, WARM, "thermal=.true.")
     runs = [case.Case(options, f"books_{ranks}_{threads}", text, ranks, threads).run("-q")
             for ranks, threads in ((1, 1), (1, 2), (3, 1))]

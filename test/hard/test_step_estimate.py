@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The number of steps that --check expects, against that of runs: impacts at 0.5 to 15 km/s.
+"""The number of steps that --check expects, compared with the number in runs: impacts at 0.5 to 15 km/s.
 
-Would catch: an estimate from the wave speed at rest alone, which is low by up to 4 here as steps shorten in shocks; one
-that keeps the steps of a shock to the end, which is high by up to 1.9 as shocks decay; one that sees impacts where
-bodies part or pass each other, forgets the second plate, the mirror plane or a face, or takes an oblique impact for a
-normal one; a copy with larger cells whose steps are counted wrongly; a log or summary with another number.
+Would catch: an estimate from the wave speed at rest alone, which is low by a factor of up to 4 here because steps
+become shorter in shocks; one that keeps the steps of a shock to the end, which is high by a factor of up to 1.9 because
+shocks decay; one that assumes impacts where bodies separate or pass each other, omits the second plate, the mirror
+plane or a boundary, or takes an oblique impact for a normal one; a copy with larger cells whose steps are counted
+wrongly; a log or summary with another number.
 
-Three runs end while shocks are strong; the rest are those of test_impacts.py and bodies with flat ends, straight and
+Three runs end while shocks are strong; the others are those of test_impacts.py and bodies with flat ends, normal and
 oblique. Target: 30 %, so that a job can be requested with the usual margin of a half. Known miss: a fast oblique box
-throws jets onto the second plate before it arrives itself; held at a half, beyond which the estimate would be worth no
-more than the first step. Bodies that part or pass each other get the estimate of the first step, to the last digit.
+throws jets onto the second plate before it arrives itself; held at a half, beyond which the estimate would not be
+better than the first step. Bodies that separate or pass each other get the estimate of the first step, to the last
+digit.
 """
 # tiers: full, long
 # timeout: 600
@@ -62,7 +64,7 @@ PLATE = """&material  name='b'  preset='{two}' /
 &body  name='second'  region='second'  material='b' /
 """
 FACE = "&boundary  face='zhi'  type='slip' /"
-# dimension, end in us, striker, half width, rear, velocity in km/s, plates (material, thickness, gap) or a face
+# dimension, end in us, striker, half width, rear, velocity in km/s, plates (material, thickness, gap) or a boundary
 FLATS = {
     "lead rod, oblique": ("plane_strain", 1.522, "lead", 1.5, -10.5, 4.893, 4.893, ("al_6061_t6", 1, 6)),
     "aluminium rod on glass": ("axisymmetric", 1.78, "al_2024_t351", 1.5, -10.5, 0, 7.99, ("glass_soda_lime", 4, 12)),
@@ -90,7 +92,7 @@ def flat(name):
 
 
 def expected(run, *words):
-    """First step and number of steps that the check prints, and the number of the line `estimate`."""
+    """First step and number of steps that the check prints, and the number in the line `estimate`."""
     run.run("--check", *(words or ["--no-estimate"]))
     found = re.search(r"first dt (\S+) s.*; about (\d+) steps", run.output)
     line = re.search(r"estimate +about (\d+) steps; processor time .*, wall time .* on 1 rank x 1 threads", run.output)
@@ -113,7 +115,7 @@ def compare(sheet, run, name):
 
 
 def test_step_estimate(options, sheet):
-    """Impacts, and the same bodies on their way apart."""
+    """Impacts, and the same bodies moving apart."""
     for name, words in STRONG.items():
         compare(sheet, case.Case(options, name.replace(" ", "_"), EARLY.format(**words)), name)
         words = {**words, "speed": -words["speed"]}
@@ -130,7 +132,7 @@ def test_step_estimate(options, sheet):
     first, steps, _ = expected(case.Case(options, "by", words))
     sheet.require("velocity=1.73,0,0" in words and abs(steps - 4.52e-6 / first) < 1.0 + 5.0e-4 * steps,
                   "no impact of bodies that pass each other")
-    # where two seconds are enough for the whole run the line counts its steps
+    # if two seconds are enough for the whole run, the line counts its steps
     done = case.Case(options, "al_al_7_plane", deck("al_al_7_plane"), keep=True).summary["steps"]
     _, _, steps = expected(case.Case(options, "copy", deck("al_al_7_plane")), "--set", "log.timing=.false.")
     sheet.below("al_al_7_plane: steps of the line `estimate` over those of the run, less 1", steps / done - 1.0, TARGET)

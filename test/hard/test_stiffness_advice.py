@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What --check says of bulk moduli that are far too high for a slow flow, and whether it is true.
+"""Advice of --check about bulk moduli that are far too high for a slow flow, and its correctness.
 
-Would catch: advice with a wrong load (height, gravity, density, speeds, cohesion), a wrong number of steps, or to those
-whose stiffness is the subject: elastic bodies, gases, shaken scenes, a few steps, a material that is soft already.
+Would catch: advice with a wrong load (height, gravity, density, speeds, cohesion), a wrong number of steps, or for
+scenes whose stiffness determines the result: elastic bodies, gases, shaken scenes, runs of few steps, a material that
+is soft already.
 
-A tank of water, 0.5 m deep, with the bulk modulus of water: the advice is density times gravity times depth over 1 %,
-to the two digits that are printed, plus half the square of the speed of a wall. Run with it under the sudden load of
-its weight, the water at the floor is compressed by 1 % at rest and by up to 2 % as it swings, since a linear spring
-under a sudden load goes to twice its rest: the greatest density must show between half of that of rest and that of the
-swing, with 10 % for the shape of particles. The number of steps must be that of the run within 10 %: the signal is c
-plus the speed of matter, at most sqrt(2 g H eps) = 0.3 m/s of 22 m/s here.
+A tank of water, 0.5 m deep, with the bulk modulus of water: the advised modulus is density times gravity times depth
+over 1 %, to the two digits that are printed, plus half the square of the speed of a wall. With this modulus and under
+the sudden load of its weight, the water at the floor is compressed by 1 % at rest and by up to 2 % as it oscillates,
+since a linear spring under a sudden load reaches twice its static displacement: the greatest density must be between
+half of that at rest and that of the oscillation, with 10 % for the shape of particles. The number of steps must be that
+of the run within 10 %: the signal is c plus the speed of the material, at most sqrt(2 g H eps) = 0.3 m/s compared with
+22 m/s here.
 """
 # timeout: 120
 
@@ -39,7 +41,7 @@ WEIGHT = 1000.0 * 9.81 * 0.5
 
 
 def advised(options, name, **words):
-    """What --check says: modulus, number of steps, and the words between; None without advice."""
+    """Advice of --check: modulus, number of steps, and the words between; None without advice."""
     run = case.Case(options, name, DECK.format(**{**USUAL, **words}))
     run.run("--check", "--no-estimate")
     found = ADVICE.search(run.output)
@@ -47,7 +49,7 @@ def advised(options, name, **words):
 
 
 def test_stiffness_advice(options, sheet):
-    """Advice for water and sand, none for others, and a run that follows it."""
+    """Advice for water and sand, none for other materials, and a run that follows it."""
     loads = {
         "weight": ({}, WEIGHT),
         "wall": ({"wall": "type='velocity'  velocity=-3,0,0"}, WEIGHT + 500.0 * 3.0 ** 2),

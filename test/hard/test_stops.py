@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs that cannot or must not go on: signals, wall time, a step too small, files that fail.
+"""Runs that cannot or must not continue: signals, wall time, a step that is too small, files that cannot be written.
 
 Would catch: a checkpoint that is not the state at the stop, a wrong exit code, work lost on a
-signal, a run that overwrites its last good checkpoint with half a file, an error of a file that is
-not noticed.
+signal, a run that overwrites its last valid checkpoint with an incomplete file, a file error that is not reported.
 """
 # timeout: 600
 
@@ -33,14 +32,14 @@ DECK = """
 &checkpoint  {checkpoint} /
 """
 STEPS = 400
-ENDLESS = 100000000     # steps that no machine makes during this test
+ENDLESS = 100000000     # steps that no machine completes during this test
 WAIT = 150              # far longer than any machine needs [s]
 LOGS = (".log", ".json", ".echo.nml")
 SMALL_DISK = "small_disk"
 
 
 def deck(steps=STEPS, time="", checkpoint=""):
-    """A block that shakes in a closed box."""
+    """A vibrating block in a closed box."""
     return DECK.format(steps=steps, time=time, checkpoint=checkpoint)
 
 
@@ -50,10 +49,10 @@ def checkpoints(folder):
 
 
 def test_signals(options, sheet):
-    """A signal in the middle: exit code 75 and a checkpoint that leads to the end of a run without one."""
+    """A signal in the middle: exit code 75 and a checkpoint from which the run ends as an uninterrupted one."""
     for ranks, number in ((1, signal.SIGUSR1), (1, signal.SIGTERM), (2, signal.SIGUSR1)):
         name = f"signal_{number.name}_{ranks}"
-        # nothing but the signal ends this run, however long the signal takes
+        # only the signal ends this run, however long the signal takes
         run = case.Case(options, name, deck(ENDLESS), ranks=ranks)
         table = run.path("_history.csv")
         child = run.start("-q")
@@ -78,7 +77,7 @@ def test_signals(options, sheet):
 
 
 def wait_for(child, ready):
-    """Wait until something holds, or the child has ended; a test that waits for long fails by what it finds."""
+    """Wait until a condition holds or the child has ended; after the time limit the test fails by its own checks."""
     end = time.monotonic() + WAIT
     while not ready() and child.poll() is None and time.monotonic() < end:
         time.sleep(0.01)
@@ -86,7 +85,7 @@ def wait_for(child, ready):
 
 @pytest.fixture(scope="module")
 def digest(file_options):
-    """That of the whole run, which makes all steps."""
+    """Digest of the whole run, which makes all steps."""
     run = case.Case(file_options, "whole", deck()).run("-q")
     assert run.summary["steps"] == STEPS
     return run.summary["digest"]
@@ -98,7 +97,7 @@ def test_limits(options, sheet, digest):
     run.run("-q", expect=75)
     sheet.require(run.summary["steps"] > 0 and len(checkpoints(run.folder)) == 1,
                   "wall_limit: leaves a checkpoint")
-    # it may leave earlier by what the checkpoint takes; a run without the limit has no end
+    # it may end earlier by the time that the checkpoint takes; a run without the limit does not end
     sheet.require(run.summary["wall_s"] > 0.5, "wall_limit: computes until then")
     run = case.Case(options, "dt_min", deck(time="dt_min=1.0e-2"))
     run.run("-q", expect=4)
@@ -111,8 +110,7 @@ def test_limits(options, sheet, digest):
 
 
 def test_scheduler(options, sheet):
-    """The end of the job is what the environment says, else what squeue prints; a minute before it
-    the run leaves."""
+    """The end of the job is taken from the environment, else from squeue; the run ends a minute before it."""
     words = ("SLURM_JOB_END_TIME", "SLURM_JOB_ID", "PATH")
     before = {word: os.environ.get(word) for word in words}
     try:
@@ -131,7 +129,7 @@ def test_scheduler(options, sheet):
         run.run("-q", expect=75)
         sheet.require(len(checkpoints(run.folder)) == 1, "job end: leaves a checkpoint")
         del os.environ["SLURM_JOB_END_TIME"]
-        # one rank: mpiexec may put the folder of MPI, with the squeue of a machine with Slurm, before the path
+        # one rank: mpiexec may put the folder of MPI, with the squeue of a machine with Slurm, first in the search path
         run = case.Case(options, "squeue", deck(ENDLESS, "wall_limit='slurm'"))
         squeue = run.folder / "squeue"
         squeue.write_text('#!/bin/sh\ntest "$3" = 4711 && echo 1:01\n', encoding="utf-8")
@@ -148,7 +146,7 @@ def test_scheduler(options, sheet):
 
 
 def test_files(options, sheet):
-    """A folder that cannot be made, a deck and a checkpoint that cannot be read."""
+    """A folder that cannot be created, a deck and a checkpoint that cannot be read."""
     run = case.Case(options, "folder", deck(5))
     (run.folder / "file").write_text("not a folder", encoding="utf-8")
     run.run("-q", "--outdir", run.folder / "file/out", expect=3)
@@ -162,7 +160,7 @@ def test_files(options, sheet):
 
 
 def test_no_permission(options, sheet):
-    """Folders and files that an ordinary user may not write or read: exit code 3, and what is there stays."""
+    """Folders and files that an ordinary user may not write or read: exit code 3, and existing files are unchanged."""
     with confine.user(options) as somebody:
         if somebody.why:
             sheet.skipped("no permission", somebody.why)
@@ -193,12 +191,12 @@ def test_no_permission(options, sheet):
 
 
 def contents(folder):
-    """Files of a folder with their bytes."""
+    """Files of a folder with their contents."""
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 def refused(sheet, run, somebody, what, *words):
-    """A call that must fail for want of permission."""
+    """A call that must fail for lack of permission."""
     run.run(*words, expect=None, **somebody.identity)
     sheet.require(run.code == 3, f"no permission, {what}: exit code {run.code}: {run.output[-300:]}")
     sheet.require("Permission denied" in run.output, f"no permission, {what}: says so: {run.output[-300:]}")
@@ -217,7 +215,7 @@ def fill(path, left):
 
 
 def no_space(sheet, run, what, words, refuse):
-    """No byte, or enough for all but a checkpoint: exit code 3, and the older checkpoint is intact."""
+    """No space, or enough for all but a checkpoint: exit code 3, and the older checkpoint is intact."""
     before = {path.name: path.read_bytes() for path in checkpoints(run.folder)}
     sheet.require(len(before) == 1, f"{what}: there is a checkpoint")
     for left in (0, 400 * 1024):
@@ -232,10 +230,10 @@ def no_space(sheet, run, what, words, refuse):
 
 
 def test_short_files(options, sheet, digest):
-    """Files that cannot grow: the same errors as on a full disk, on any machine."""
+    """Files with a size limit: the same errors as on a full disk, on any machine."""
     run = case.Case(options, "short_files", deck()).run("-q", "-s", "time.max_steps=100")
     table = run.path("_history.csv").stat().st_size
-    # the history cannot get a line; it can, and the checkpoint is too large
+    # first the history cannot be extended; then it can, and the checkpoint is too large
     no_space(sheet, run, "short files", "File too large",
              lambda left: confine.short_files(table + left))
     run.run("-q", "--restart")
@@ -243,7 +241,7 @@ def test_short_files(options, sheet, digest):
 
 
 def full_disk(options, sheet, digest):
-    """The disk fills up between two checkpoints; called where the folder is a small disk."""
+    """The disk becomes full between two checkpoints; called in a folder on a small disk."""
     run = case.Case(options, SMALL_DISK, deck(), keep=True).run("-q", "-s", "time.max_steps=100")
 
     def refuse(left):
@@ -269,7 +267,7 @@ def test_full_disk(options, sheet, digest):
 
 
 def on_small_disk(scree, work, digest):
-    """What test_full_disk runs where a folder of it is a small disk."""
+    """The part of test_full_disk that runs in a folder on a small disk."""
     sheet = report.Report()
     full_disk(SimpleNamespace(scree=Path(scree), work=Path(work)), sheet, digest)
     print(sheet.verdict())

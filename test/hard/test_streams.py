@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Streams that cross, a state near no volume, and states that ask for a short step.
+"""Streams that cross, a state of almost no volume, and states that require a short step.
 
-Would catch: particles that turn inside out unseen, numbers that are none, a step that grows too fast, is
-not finite, or follows the wrong cause, an end of the run without the particle that caused it.
+Would catch: particles that become inverted without an error, NaN, a step that grows too fast, is not finite, or follows
+the wrong limit, a run that stops without naming the particle that caused it.
 """
 # timeout: 600
 
@@ -75,7 +75,7 @@ def test_streams(options, sheet):
 
 
 def test_hot_spot(options, sheet):
-    """A hot spot, matter that fails for good, and a block much faster than sound."""
+    """A hot spot, material that fails permanently, and a block much faster than sound."""
     for name, energy, speed, failed in (("hot", 1.0e10, 0, "rubble"), ("failed", 1.0e6, 0, "nothing"),
                                         ("fast", 0.0, 5.0e5, "rubble")):
         run = case.Case(options, f"spot_{name}", HOT.format(
@@ -94,7 +94,7 @@ def test_hot_spot(options, sheet):
 
 
 def test_near_nothing(options, sheet):
-    """Matter at a thousandth of its volume: it must be refused at once, by its ratio of volumes."""
+    """Material at a thousandth of its volume: it must be refused at once, because of its ratio of volumes."""
     run = case.Case(options, "ratio", STREAMS.format(
         law="strength_model='neo_hookean'", speed=30, viscous=".true.", end=0.2))
     run.run("-q", "-s", "time.volume_ratio_min=0.9", expect=4)

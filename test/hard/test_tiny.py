@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Twenty small decks in which nothing happens, decks in which all is gone or failed, and numbers near their ends.
+"""Twenty small decks in which nothing happens, decks in which all particles have left or failed, and extreme numbers.
 
 Would catch: a division by a count, mass, speed, or volume of zero, a state that rounding changes where nothing acts,
 an absolute tolerance, very small numbers that stop a run.
@@ -58,12 +58,12 @@ SCENES = {
 
 
 def test_at_rest(options, sheet):
-    """Twenty decks keep every bit."""
+    """In twenty decks no bit changes."""
     for name, words in SCENES.items():
         run = case.Case(options, name, DECK.format(**{**USUAL, **words})).run("-q")
         (_, first), (_, last) = run.snapshots()
         sheet.require(len(first.points) > 0 and run.summary["steps"] == 30, f"{name}: makes steps")
-        # the pressure of a fluid at rest is minus zero: adding zero makes it zero
+        # the pressure of a fluid at rest is -0: adding 0 makes it 0
         same = first.points.tobytes() == last.points.tobytes() and all(
             (values + 0).tobytes() == (last.fields[key] + 0).tobytes()
             for key, values in first.fields.items())
@@ -73,7 +73,7 @@ def test_at_rest(options, sheet):
 
 
 def test_gone_and_failed(options, sheet):
-    """All particles leave, and the run ends and says why; all fail and fly on without force."""
+    """All particles leave, and the run ends and states the reason; all particles fail and continue without force."""
     run = case.Case(options, "gone", DECK.format(**{**USUAL, "body": "velocity=2e4,0,0"}))
     run.run("-q", "-s", "time.t_end=2e-3", "-s", "time.max_steps=100000", "-s", "time.dt_max=1e-5")
     sheet.require(run.summary["particles"] == 0 and run.summary["reason"] == "all material has left the grid",

@@ -1,25 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A bar that is stretched without end, and a bar that breaks.
 
-Would catch: strain of a stretch that is not that of the places, a body that falls apart between
-particles too early, momentum or energy that breaking makes, an end that is strained more than the bar or pushed
-together.
+Would catch: a strain that differs from that of the positions, a body that separates between particles too early,
+momentum or energy that breaking creates, an end that is strained more than the bar or compressed.
 
-Particles fly apart with velocities that grow with the place, at a load that does not slow them, so the ratio of volumes
-is exactly the stretch as long as particles feel each other. With any basis neighbours have a common node until they
-are one cell apart: until then, and with CPDI, whose particles grow with the bar, to the end, the target is an error of
-1 %. It is missed where the sums over a particle or less for a node are uneven: known misses, held at 10 %, a fifth of
-what a particle that lost one of its two neighbours has.
+Particles fly apart with velocities that are linear in the position, at a load that does not decelerate them, so the
+ratio of volumes is exactly the stretch as long as particles interact. With any basis neighbours have a common node
+until they are one cell apart. The target, an error of 1 %, applies until then, and with CPDI, whose particles grow with
+the bar, until the end. It is missed where the sums over about one particle per node are uneven: known misses, held at
+10 %, a fifth of the error of a particle that lost one of its two neighbours.
 
-These are the particles that began more than two cells from the ends. A node of the cell of an end has particles on one
-side only, and gives its velocity, that of their centre, to two cells: strain is missing there with every basis. That
-is a known miss of the same target. An end that is not strained at all is off by 1 - 1/stretch; that is the limit.
+This applies to particles that began more than two cells from the ends. A node of the end cell has particles on one side
+only, and gives its velocity, that of their centre, to two cells: with every basis the strain there is too small. This
+is a known miss of the same target. An end that is not strained at all has an error of 1 - 1/stretch; that is the limit.
 
-Breaking leaves the energy of materials that carry one to rounding. Without, the books count what flow and viscosity
-took, and the energy of what failed is off by the loss: target 1 %, at once or with a fracture energy. With
-`failure_delay` the stress drops from above the strength and leaves motion that nodes do not see: a known miss, held
-at 5 %. The halves pull with at most rho c v, so a broken end gains at most the speed v of the halves: twice v is the
-limit.
+Breaking conserves the energy of materials that carry an internal energy to rounding. For other materials the balance
+records the work of plastic flow and viscosity, and the energy of failed material has an error equal to the loss: target
+1 %, for sudden failure or with a fracture energy. With `failure_delay` the stress drops from above the strength and
+causes motion that nodes do not resolve: a known miss, held at 5 %. The halves pull with at most rho c v, so a broken
+end gains at most the speed v of the halves: twice v is the limit.
 """
 # tiers: smoke, full
 # timeout: 120
@@ -65,7 +64,7 @@ BREAK = """
 
 
 def stretch(options, name, ppc, method, words):
-    """Greatest error of the volume inside, until neighbours are a cell apart and to the end, and at an end."""
+    """Greatest error of the volume inside, until neighbours are a cell apart and until the end, and at an end."""
     count = 10 * ppc
     parts = ""
     for n in range(count):
@@ -100,7 +99,7 @@ EVEN = ("gimp", "quadratic")           # bases that meet it
 
 
 def test_stretched(options, sheet):
-    """All bases with two particles a cell, the default with four."""
+    """All bases with two particles per cell, the default with four."""
     ends = []
     for name, ppc, method, words in CHOICES[:tier.choose(len(CHOICES), smoke=1)]:
         found = stretch(options, name, ppc, method, words)
@@ -120,7 +119,7 @@ def test_stretched(options, sheet):
 
 
 def test_breaking(options, sheet):
-    """Halves that fly apart break a bar; momentum and energy stay in the books."""
+    """Halves that fly apart break a bar; momentum and energy are conserved in the balances."""
     mie = ("eos_model='mie_gruneisen'  mg_c0=5000  mg_s=1.3  mg_gamma=1  shear=2.0e10  "
            "specific_heat=800")
     for name, moduli, thermal in (("plain", "young=7.0e10  poisson=0.2", ".false."),

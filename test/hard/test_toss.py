@@ -1,21 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sand is thrown up, comes apart, falls back and packs.
+"""Sand is thrown up, separates, falls back and packs.
 
-Would catch: loose sand that resists or pulls while it is open, volume that sand gains for good,
-halves of a body that still feel each other when they are apart,
-gaps between particles that bear pressure.
+Would catch: loose sand that resists or pulls while it is separated, volume that sand gains permanently, halves of a
+body that still interact when they are apart, gaps between particles that support pressure.
 
-The volume at the end should be that at the start: target 1 %, of which the weight takes 0.5 %. The volume of a
-particle follows the velocity gradient and not the places of its neighbours, so by default the sum of the volumes and
-the heap, with gaps that bear pressure, are too large; with `voids` it is the same. Known misses, held at 16 %: grains
-that fall back loosely (0.55 of the volume, loose random packing) take that much more than dense ones (0.64). With
-volume_from = 'grid' the sum of the volumes meets the target; the volume under the highest particles misses it,
-particles that lie irregularly are packed a little too well, and is held at the height of half a particle, a quarter of
-a cell of eight.
+The volume at the end should be that at the start: target 1 %, of which compression by the weight takes 0.5 %. The
+volume of a particle follows the velocity gradient and not the positions of its neighbours, so by default the sum of the
+volumes and the heap, with gaps that support pressure, are too large; with `voids` too. Known misses, held at 16 %:
+grains that fall back loosely (0.55 of the volume, loose random packing) occupy that much more than dense ones (0.64).
+With volume_from = 'grid' the sum of the volumes meets the target; the volume under the highest particles misses it,
+because irregularly placed particles are packed slightly too densely, and is held at the height of half a particle, a
+quarter of a cell of eight.
 
-In flight the halves are apart and bear no stress; their mean velocities are those of free fall within 2 % of their
-first speed, the target, as they share nodes until they are a cell apart. At the end the sand is at rest: no particle
-moves by more than half a cell a second.
+In flight the halves are apart and transmit no stress; their mean velocities are those of free fall within 2 % of their
+initial speed, the target, because they share nodes until they are a cell apart. At the end the sand is at rest: no
+particle moves faster than half a cell per second.
 """
 # timeout: 120
 
@@ -49,7 +48,7 @@ TARGET, LOOSE = 0.01, 0.64 / 0.55 - 1.0
 
 
 def heap(snap):
-    """Mean height of the highest particles over strips of a cell, and half a particle, over the first height."""
+    """Mean height of the highest particles over strips of a cell, plus half a particle, over the initial height."""
     across, up = snap.points[:, 0], snap.points[:, 2]
     return float(np.mean([up[(across >= low) & (across < low + 1)].max() for low in range(8)]) + 0.25) / 8.0
 
@@ -61,7 +60,7 @@ def heap(snap):
 def test_toss(options, sheet, name, words, most, highest):
     """The upper half flies up at 9 m/s, the lower one at 5 m/s; both fall and come to rest.
 
-    `most` and `highest` are the limits of volume and heap where they are known to miss their target, else None.
+    `most` and `highest` are the limits of volume and heap in known misses of the target, else None.
     """
     run = case.Case(options, name, SAND.format(
         end=14.0, effects="", words=words, slow=5, fast=9)).run("-q")

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What balances cannot show: the line `trust`, its warnings, and runs that end since a number is impossible.
+"""Errors that balances cannot show: the line `trust`, its warnings, and runs that stop because a value is impossible.
 
-Would catch: a healthy scene that is not told to be ok, volumes that do not fit into the box without a word, values
-that depend on ranks, threads or a restart, a warning that comes in every look or names a particle that is not the
-worst, a particle with more energy than the whole run that goes on.
+Would catch: a valid scene that is not reported as ok, volumes that do not fit into the box without a warning, values
+that depend on ranks, threads or a restart, a warning that is repeated at every check or names a particle that is not
+the worst, a run that continues with a particle of more energy than the whole run.
 
-Gas at rest in a closed box must stay at rest. With irregular particles it does not: the volumes that they claim grow
-beyond the box, while all balances hold to rounding. On a lattice it rests, and all is ok.
+Gas in a closed box must remain at rest. With irregular particles it does not: their volumes grow beyond the box, while
+all balances close to rounding. On a lattice it is at rest, and all entries are ok.
 """
 # tiers: smoke, full
 # timeout: 300
@@ -18,7 +18,7 @@ import numpy as np
 import case
 import tier
 
-# Sums that are not normalised: uniform pressure pushes where particles lie irregularly.
+# Sums that are not normalised: uniform pressure exerts forces where particles are irregularly placed.
 GAS = """
 &run  dimension='plane_strain' /
 &method  normalise='none' /
@@ -49,12 +49,12 @@ SIGNS = {"speed": "times the speed that initial state", "heat": "times the energ
 
 
 def warnings(run, words):
-    """Lines of the log with some words."""
+    """Lines of the log that contain some words."""
     return [line for line in run.path(".log").read_text().splitlines() if words in line]
 
 
 def test_healthy(options, sheet):
-    """Two discs: all is ok."""
+    """Two discs: all entries are ok."""
     deck = (case.ROOT / "input" / "two_discs" / "scene.nml").read_text()
     run = case.Case(options, "discs", deck)
     run.run("-q", "-s", f"grid.dx={tier.choose(0.0125, smoke=0.025)}", "-s", "run.case='discs'")
@@ -70,7 +70,7 @@ def test_healthy(options, sheet):
 
 
 def test_gas(options, sheet):
-    """Gas at rest, on a lattice and not; ranks, threads, a restart."""
+    """Gas at rest, on a lattice and irregularly placed; ranks, threads, a restart."""
     run = case.Case(options, "lattice", GAS.format(packing="lattice")).run("-q")
     sheet.require(run.summary["trust"]["verdict"] == "ok", f"lattice: ok: {run.summary['trust']}")
     sheet.below("lattice: volume beyond that there is", run.summary["trust"]["volume"]["value"], 1.0e-6)
@@ -82,7 +82,7 @@ def test_gas(options, sheet):
         sheet.require(trust["volume"]["verdict"] == "bad" and trust["verdict"] == "bad", f"{packing}: bad: {trust}")
         said = warnings(run, "more volume than the cells that they fill")
         sheet.require(len(said) == 1, f"{packing}: one warning: {said}")
-        # the column has every 25th step, the run looks at some of these and at the last one
+        # the column has every 25th step; the run checks some of these and the last one
         column = run.history["overlap"]
         sheet.require(column.max() >= trust["volume"]["value"] >= column[-1], f"{packing}: the column agrees")
         sheet.require(not run.history["stretch"].any(), f"{packing}: a fluid has no neighbours")
@@ -101,7 +101,7 @@ def test_gas(options, sheet):
 
 
 def test_impossible(options, sheet):
-    """A run that goes wrong: the particles that are named are the worst ones."""
+    """A run with errors: the particles that are named are the worst ones."""
     words = []
     for ranks, threads in ((1, 1), (2, 2)):
         run = case.Case(options, f"jet_{ranks}_{threads}", JET, ranks, threads)

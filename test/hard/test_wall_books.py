@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A block that slides, rubs and rests, with every method and order of update: energy books and speed; gas that is
-pushed along walls which let go, with transfers that are series.
+"""A block that slides, rubs and rests, with every method and order of update: energy balance and speed; gas that is
+pushed along walls which then stop acting, with transfers that use a series.
 
-Would catch: work of walls or of gravity that is booked with another velocity than the particles gain by, a velocity
-that strains matter away from a wall which holds it in the step (it made 3 to 17 % of the energy at stake with musl and
-usf on walls with friction and on rigid regions), friction from a wrong pressure; terms of a series that see other walls
-than those before them, or work of these terms that is booked with another velocity (it made up to 1 % of the energy of
-a gas, with exit code 0).
+Would catch: work of walls or of gravity that is recorded with another velocity than that by which particles gain, a
+velocity that strains material away from a wall which holds it in the step (it created 3 to 17 % of the relevant energy
+with musl and usf on walls with friction and on rigid regions), friction from a wrong pressure; terms of a series with
+other walls than the previous terms, or work of these terms that is recorded with another velocity (it created up to 1 %
+of the energy of a gas, with exit code 0).
 
-A block of 0.4 m x 0.2 m with 8 x 4 cells on a face, gravity at 30 degrees to it, for 0.2 s; it comes at once, so it
-also shakes the block. Where matter carries energy the books close to rounding, whatever walls do: limit 1e-12.
-Without, what the transfers filter is missing, as `energy_error` says with its sign. Target 1 % of the work that a block
-without friction gets, on the face and on a rigid region inclined to the cells; musl and usl must make none, and usf,
-which books with the velocities of the forces, no more than the target. Two cases on the region with friction miss it:
-gimp with usl, which loses, and plain mpm with usf, which makes energy: known misses, held at twice the target. The
-speed is that of theory within 1 % of g t, the target (H-26 in test/hard/README.md).
+A block of 0.4 m x 0.2 m with 8 x 4 cells on a boundary, gravity at 30 degrees to it, for 0.2 s; gravity is applied
+suddenly, so it also makes the block vibrate. For material that carries internal energy the balances close to rounding,
+whatever walls do: limit 1e-12. For other material the energy that the transfers filter is missing, as `energy_error`
+shows with its sign. Target: 1 % of the work on a block without friction, on the boundary and on a rigid region inclined
+to the cells; musl and usl must not create energy, and usf, which records with the velocities of the forces, no more
+than the target. Two cases on the region with friction miss it: gimp with usl, which loses energy, and plain mpm with
+usf, which creates energy: known misses, held at twice the target. The speed is that of theory within 1 % of g t, the
+target (H-26 in test/hard/README.md).
 """
 # timeout: 120
 
@@ -42,19 +43,20 @@ SLOPE, GRAVITY, FRICTION, TIME = np.radians(30.0), 9.81, 0.3, 0.2
 TYPES = {"slip": "type='slip'", "friction": f"type='friction'  friction={FRICTION}", "stick": "type='stick'"}
 FACE = {"block": "lo=0.2,0,0  hi=0.6,1,0.2",
         "gravity": f"{GRAVITY * np.sin(SLOPE):.15g},0,{-GRAVITY * np.cos(SLOPE):.15g}"}
-# the same on a rigid region, whose surface lies askew in the cells
+# the same on a rigid region, whose surface is inclined to the cells
 ASKEW = {"block": "lo=-0.2,0,0  hi=0.2,1,0.2  rotate=0,30,0  translate=0.6,0,0.4", "gravity": f"0,0,{-GRAVITY}"}
 GROUND = ("&region  name='ground'  shape='halfspace'  centre=0.6,0,0.4  normal=0.5,0,0.8660254037844386 /\n"
           "&boundary  region='ground'  {} /")
-# plain mpm with usl blows up where bodies cross cells
+# plain mpm with usl becomes unstable where bodies cross cells
 METHODS = [("ddmp", "linear", update) for update in ("usl", "usf", "musl")] \
     + [("mpm", basis, update) for basis in ("linear", "gimp") for update in ("usl", "usf", "musl")
        if (basis, update) != ("linear", "usl")]
-TARGET = 0.01                          # energy that may be missing, or made by usf
+TARGET = 0.01                          # missing energy, or energy created by usf
 MISSES = {("mpm", "linear", "usf"), ("mpm", "gimp", "usl")}   # on the region with friction
 
 
-# Gas on a face with friction between a mirror and an inclined piston that comes, faster and slower, and lets go.
+# Gas on a boundary with friction between a mirror plane and an inclined piston that approaches, accelerates,
+# decelerates and then stops acting.
 GAS = """
 &run  dimension='plane_strain'  method='{method}'  seed=3 /
 &grid  lo=0,0,0  hi=1.5,1,0.5  dx=0.05 /
@@ -78,7 +80,7 @@ SERIES = [("mpm", "transfer='xpic'"), ("mpm", "transfer='fmpm'  order_k=4"), ("d
 
 
 def test_push(options, sheet):
-    """Pistons that slide and that hold, with every series."""
+    """Pistons with slip and with sticking, with every series."""
     for kind in ("slip", "stick"):
         for method, words in SERIES:
             run = case.Case(options, "gas", GAS.format(method=method, words=words, kind=kind))
@@ -105,7 +107,7 @@ def test_slide(options, sheet, kind, method, basis, update, matter, scene):
     deck = DECK.format(method=method, basis=basis, update=update, matter=matter, walls=walls, **(scene or FACE))
     run = case.Case(options, "block", deck).run("-q")
     history, books = run.history, run.summary["ledger"]
-    mass = history["mass"][0]          # a block inclined to the cells has the mass of its lattice sites
+    mass = history["mass"][0]          # the mass of a block inclined to the cells is that of its lattice sites
     sheet.below(f"{name}: momentum error", books["momentum_error"], 1.0e-12)
     if matter == CARRIES:
         sheet.below(f"{name}: energy error", books["energy_error"], 1.0e-12)

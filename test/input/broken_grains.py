@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Decks of cells of grains without a fault, and faults that one change makes.
+"""Decks of cells of grains without an error, and errors that a single change makes.
 
-A row: which deck, old text, new text, line of the message (0: none), the message after "error: ".
+A row: deck, old text, new text, line of the message (0: none), the message after "error: ".
 """
 
 DECKS = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Faults of gauges, forces, loads and inflows that one change of a deck of broken_values makes; rows as there."""
+"""Errors of gauges, forces, loads and inflows that a single change of a deck of broken_values makes; rows as there."""
 
 GAUGE = "&output name = 'g' kind = 'gauge' every = 1 "
 LOAD = "&load name = 'l' "

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Decks with faults of all stages at once: of the scanner, of values, of keys that contradict each other, of materials
-against the cell size, and of places. Each comes with all lines that must be told, and no other may be: an error that
-only follows from another one is nonsense to its reader.
+"""Decks with errors of all stages at once: in the syntax, in values, in keys that contradict each other, in materials
+against the cell size, and in positions. Each deck comes with all lines that must be reported. No other line may be
+reported, because an error that only follows from another one misleads the reader.
 """
 
 ONE = """&run dimension = 'plane_strain' /

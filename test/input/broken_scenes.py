@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Faults of a scene that one change of a deck of broken_values makes; rows as there."""
+"""Errors of a scene that a single change of a deck of broken_values makes; rows as there."""
 
-# A periodic cell that deforms, and what it does not go with.
+# A periodic cell that deforms, and what it is incompatible with.
 CELLS = [
     ("cell", "type = 'periodic'", "type = 'slip'", 8,
      "&cell: &cell needs periodic faces in all directions, and x has none; write &boundary face = 'all'"),
@@ -36,7 +36,7 @@ CELLS = [
      "&output 'c': kind = 'cell' needs &cell and &stage; add them or remove this &output"),
 ]
 
-# Twice, not at all, or against each other.
+# Keys that are repeated, missing or contradictory.
 CONTRADICTIONS = [
     ("plain", "density = 2700", "density = 2700 density = 7800", 4,
      "&material: density is given twice, first in line 4"),
@@ -128,7 +128,7 @@ CONTRADICTIONS = [
      "&detonation: shape = 'sphere' is none of: point line plane"),
 ]
 
-# Keys without what they belong to.
+# Keys without the keys that they depend on.
 ORPHANS = [
     ("plain", "&time", "&effects gravity_vector = 0 0 1 /\n&time", 3,
      "&effects: gravity_vector given but gravity = .false."),
@@ -304,7 +304,7 @@ ORPHANS = [
      "&contact: bond_strength given but law = 'friction' does not use it"),
 ]
 
-# Names of nothing.
+# Names that do not exist.
 NAMES = [
     ("plain", "region = 'ball'", "region = 'bal'", 7,
      "&body 'one': no region 'bal'; defined: ball; did you mean 'ball'?"),
@@ -336,7 +336,7 @@ NAMES = [
      "&run: case = 'a b' is part of file names: no blanks, slashes, quotes; the folder is"),
 ]
 
-# Bodies that cannot be.
+# Bodies that are not possible.
 BODIES = [
     ("plain", "centre = 0.5 0 0.5", "centre = 5 0 0.5", 7,
      "&body 'one': lies outside of the grid; move its region or widen &grid"),
@@ -368,7 +368,7 @@ ANGLES = [
      "&material 'sand': friction_angle = 0.61 deg: did you mean radians (35 deg)?"),
 ]
 
-# Sizes that are hardly meant.
+# Implausible sizes.
 SIZES = [
     ("shock", "dx = 0.5", "dx = 1e-4", 13,
      "&body 'sphere': its region reaches 7.41296e10 tiles, more than 2.0e8; use larger"),
@@ -441,7 +441,7 @@ RARE = [
      "&method: quadrature = 'control' does not include the hoop stress of dimension ="),
 ]
 
-# What is allowed but hardly meant: the same rows, with the warning.
+# Allowed but implausible values: the same rows, with the warning.
 WARNINGS = [
     ("plain", "&region", "&material name = 'spare'  density = 2700  young = 7e10  poisson = 0.3 /\n&region", 6,
      "&material 'spare': no body uses it; remove it, or use it in a &body"),
@@ -492,7 +492,7 @@ WARNINGS = [
     ("sand", "every = 20", "times = 0.5 2", 10, "time 2 of 2 is after t_end"),
 ]
 
-# Options, and what is said about them.
+# Options, and the messages about them.
 COMMANDS = [
     (["--set", "grid.dxx=1"], "&grid: unknown key 'dxx'; did you mean 'dx'?"),
     (["--set", "grid.dx=abc"], "&grid: dx = abc  <- expects a number"),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Decks without a fault, and faults in values, keys and letters that one change makes.
+"""Decks without an error, and errors in values, keys and characters that a single change makes.
 
-A row: which deck, old text, new text, line of the message (0: none), the message after "error: ".
+A row: deck, old text, new text, line of the message (0: none), the message after "error: ".
 """
 
 DECKS = {
@@ -307,7 +307,7 @@ NUMBERS = [
      "write block = 0 or at most 16"),
 ]
 
-# Keys, groups and words that are not known.
+# Unknown keys, groups and words.
 UNKNOWN = [
     ("plain", "dimension = 'plane_strain'", "dimension = 'plane_strain' deck_version = 9", 1,
      "&run: deck_version = 9  <- must be > 0 and <= 1; scree "),
@@ -381,7 +381,7 @@ UNKNOWN = [
      "&run: deck_version = 2  <- must be > 0 and <= 1"),
 ]
 
-# Marks and letters.
+# Punctuation and characters.
 MARKS = [
     ("plain", "'metal' /", "'metal /", 7, "&body: the quote is not closed: 'metal /"),
     ("plain", "'metal' /", "'metal'", 7, "&body is not closed by a / before the end of the file"),

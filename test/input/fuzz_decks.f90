@@ -2,11 +2,11 @@
 !> Damages decks at random and reads each with all checks of `--check`, in one process.
 !!
 !! Usage: fuzz_decks FOLDER FIRST COUNT DECK...
-!! Mutation number n is the same in every call, so one that fails can be had alone. The deck that is
-!! being read is FOLDER/deck.nml; what a crash leaves there is the deck that did it.
-!! What must hold: a deck with an error has a message and exit code 2 or 3; a deck without one is
-!! understood, that is, its echo reads back without an error and to the same echo; an unknown key,
-!! group, word or name is always an error that quotes it.
+!! Mutation number n is the same in every call, so a failing one can be repeated alone. The deck
+!! that is being read is FOLDER/deck.nml; after a crash it is the deck that caused it.
+!! Requirements: a deck with an error has a message and exit code 2 or 3; the echo of a deck without
+!! an error reads back without an error and to the same echo; an unknown key, group, word or name is
+!! always an error that quotes it.
 program fuzz_decks
    use base_error, only: error_t, exit_file, exit_input
    use base_kinds, only: wp
@@ -24,7 +24,7 @@ program fuzz_decks
 
 contains
 
-   !> All mutations. What is allocated here is freed before the program ends.
+   !> All mutations. All memory allocated here is freed before the program ends.
    subroutine fuzz()
       type(schema_t) :: schema
       type(text_t), allocatable :: decks(:), names(:)
@@ -68,14 +68,14 @@ contains
       if (failures > 0) call give_up("FAILED")
    end subroutine fuzz
 
-   !> Read a deck as `--check` does and judge what comes of it.
+   !> Read a deck as `--check` does and check the result.
    subroutine look_at(schema, folder, text, unknown, refused, fault)
       type(schema_t), intent(in) :: schema           !! What is allowed
       character(len=*), intent(in) :: folder         !! Where to write
       character(len=*), intent(in) :: text           !! The deck
       character(len=*), intent(in) :: unknown        !! Word that must be refused, or empty
       integer, intent(inout) :: refused              !! Decks refused so far
-      character(len=:), allocatable, intent(out) :: fault !! What does not hold, or empty
+      character(len=:), allocatable, intent(out) :: fault !! Requirement that is violated, or empty
       type(run_setup_t) :: setup
       type(error_t), allocatable :: error
 
@@ -99,7 +99,7 @@ contains
       end if
    end subroutine look_at
 
-   !> An echo must read back to itself.
+   !> Check that an echo reads back to the same echo.
    subroutine read_echo(schema, folder, setup, fault)
       type(schema_t), intent(in) :: schema           !! What is allowed
       character(len=*), intent(in) :: folder         !! Where to write
@@ -120,7 +120,8 @@ contains
       if (bare(echo) /= bare(second)) fault = "the echo does not read back to itself"
    end subroutine read_echo
 
-   !> An echo without its first line and the marks of defaults, which are given in a further echo.
+   !> An echo without its first line and without the marks of defaults: a further echo gives the
+   !! defaults.
    function bare(echo) result(text)
       character(len=*), intent(in) :: echo           !! As written
       character(len=:), allocatable :: text

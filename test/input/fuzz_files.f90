@@ -4,8 +4,8 @@
 !!
 !! Usage: fuzz_files FOLDER FIRST COUNT DECK FILE...
 !! The deck names the files without their folder. Mutation number n is the same in every call.
-!! FOLDER holds copies of all files; what a crash leaves there are the files that caused it.
-!! What must hold: the deck is accepted, or refused with a message and exit code 2 or 3.
+!! FOLDER holds copies of all files; after a crash they are the files that caused it.
+!! Requirement: the deck is accepted, or refused with a message and exit code 2 or 3.
 program fuzz_files
    use base_error, only: error_t, exit_file, exit_input
    use base_kinds, only: wp
@@ -23,7 +23,7 @@ program fuzz_files
 
 contains
 
-   !> All mutations. What is allocated here is freed before the program ends.
+   !> All mutations. All memory allocated here is freed before the program ends.
    subroutine fuzz()
       type(schema_t) :: schema
       type(text_t), allocatable :: names(:), whole(:)
@@ -69,7 +69,7 @@ contains
       if (failures > 0) call give_up("FAILED")
    end subroutine fuzz
 
-   !> Read the deck and judge what comes of it.
+   !> Read the deck and check the result.
    subroutine look_at(schema, path, is_refused, fault)
       type(schema_t), intent(in) :: schema           !! What is allowed
       character(len=*), intent(in) :: path           !! The deck

@@ -23,25 +23,25 @@ module fuzz_mutation
       "1e-9", "2147483647", "-2147483648", "2147483648", "99999999999999999999", "1d0", "0.1e", &
       "1000001"]
 
-   !> Random choices, the same for the same number.
+   !> Random choices, the same for the same number of a mutation.
    type :: choice_t
       integer(int64), private :: owner = 0           !! Number of the mutation
-      integer(int64), private :: draw = 0            !! Choices so far
+      integer(int64), private :: draw = 0            !! Random numbers drawn so far
    contains
-      procedure :: start => choice_start             !! Begin anew
-      procedure :: upto => choice_upto               !! A whole number from 1
+      procedure :: start => choice_start             !! Start with a mutation
+      procedure :: upto => choice_upto               !! An integer from 1 upwards
    end type choice_t
 
    !> A word of a deck that may be misspelt.
    type :: word_t
       integer :: first = 0, last = 0                 !! Where it is in the text
       character(len=1) :: kind = " "                 !! g: group, k: key, w: word, n: a name
-      integer :: rule = 0, key = 0                   !! What it belongs to in the schema
+      integer :: rule = 0, key = 0                   !! Group and key in the schema
    end type word_t
 
 contains
 
-   !> Begin with the choices of one mutation.
+   !> Start the choices of a mutation.
    subroutine choice_start(self, number)
       class(choice_t), intent(inout) :: self         !! The choices
       integer, intent(in) :: number                  !! Of the mutation
@@ -50,7 +50,7 @@ contains
       self%draw = 0
    end subroutine choice_start
 
-   !> A whole number from 1 to a greatest one.
+   !> An integer from 1 to a greatest one.
    integer function choice_upto(self, most) result(chosen)
       class(choice_t), intent(inout) :: self         !! The choices
       integer, intent(in) :: most                    !! At least 1
@@ -59,7 +59,7 @@ contains
       chosen = 1 + int(modulo(random_bits(20261_int64, self%owner, self%draw), int(most, int64)))
    end function choice_upto
 
-   !> Change a text in one to a few places.
+   !> Change a text at one or a few positions.
    subroutine mutate(choice, text)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The deck
@@ -91,8 +91,8 @@ contains
       end do
    end subroutine mutate
 
-   !> Change the bytes of a file that is not text: bits, a number of 1, 2, 4 or 8 bytes with an
-   !! extreme value, bytes that are missing or repeated, a lost end.
+   !> Change the bytes of a file that is not text: flip bits, write a number of 1, 2, 4 or 8 bytes
+   !! with an extreme value, remove or repeat bytes, or cut the end.
    subroutine damage(choice, text)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The file
@@ -121,7 +121,7 @@ contains
       end do
    end subroutine damage
 
-   !> One letter of those that mean something.
+   !> A random character with a meaning in decks.
    function letter(choice) result(one)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=1) :: one
@@ -141,7 +141,7 @@ contains
       text(at:at) = char(ieor(ichar(text(at:at)), 2**(choice%upto(8) - 1)))
    end subroutine flip
 
-   !> Take some letters away.
+   !> Remove some characters.
    subroutine cut(choice, text, amount)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The deck
@@ -152,19 +152,19 @@ contains
       text = text(:at - 1)//text(min(at + amount, len(text) + 1):)
    end subroutine cut
 
-   !> Put letters in the place of some others.
+   !> Replace some characters.
    subroutine replace(choice, text, new, old)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The deck
-      character(len=*), intent(in) :: new            !! What comes
-      integer, intent(in) :: old                     !! Letters that go
+      character(len=*), intent(in) :: new            !! New characters
+      integer, intent(in) :: old                     !! Number of characters to remove
       integer :: at
 
       at = choice%upto(len(text))
       text = text(:at - 1)//new//text(at + old:)
    end subroutine replace
 
-   !> Put a piece of the text somewhere else a second time.
+   !> Copy a part of the text to another position.
    subroutine copy(choice, text)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The deck
@@ -190,11 +190,11 @@ contains
       call swap_pieces(choice, text, " ,="//newline)
    end subroutine swap_tokens
 
-   !> Swap two pieces of the text that lie between certain letters.
+   !> Swap two parts of the text that are delimited by certain characters.
    subroutine swap_pieces(choice, text, marks)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The deck
-      character(len=*), intent(in) :: marks          !! What lies between pieces
+      character(len=*), intent(in) :: marks          !! Delimiting characters
       integer :: first(2), last(2), positions(2), i
 
       positions = [choice%upto(len(text)), choice%upto(len(text))]
@@ -208,7 +208,7 @@ contains
          text(first(1):last(1))//text(last(2) + 1:)
    end subroutine swap_pieces
 
-   !> Put a strange number in the place of one.
+   !> Replace a number by an unusual one.
    subroutine mangle_number(choice, text)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The deck
@@ -223,8 +223,8 @@ contains
       text = text(:first - 1)//trim(numbers(choice%upto(size(numbers))))//text(last + 1:)
    end subroutine mangle_number
 
-   !> Misspell a key, a group, a word or a name so that it is unknown; `unknown` is then what stands
-   !! in the text, else it is empty.
+   !> Misspell a key, a group, a word or a name so that it is unknown. `unknown` returns the
+   !! misspelt word, or an empty text if there is none.
    subroutine respell(choice, schema, text, unknown)
       type(choice_t), intent(inout) :: choice        !! Random choices
       type(schema_t), intent(in) :: schema           !! What is allowed
@@ -255,7 +255,7 @@ contains
       end associate
    end subroutine respell
 
-   !> A letter that names are made of.
+   !> A random character of names.
    function one_of(choice) result(one)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=1) :: one
@@ -265,13 +265,13 @@ contains
       one = spelling(at:at)
    end function one_of
 
-   !> True if nothing of this name is known and the text stays one word.
+   !> True if no known word has this name and the text is still one word.
    logical function is_unknown(schema, text, word, list, name) result(unknown)
       type(schema_t), intent(in) :: schema           !! What is allowed
       character(len=*), intent(in) :: text           !! The deck
-      type(word_t), intent(in) :: word               !! The word before
+      type(word_t), intent(in) :: word               !! Word before the change
       type(word_t), intent(in) :: list(:)            !! All words of the deck
-      character(len=*), intent(in) :: name           !! The word after
+      character(len=*), intent(in) :: name           !! Word after the change
       integer :: i
 
       unknown = len(name) > 0
@@ -295,8 +295,8 @@ contains
       end select
    end function is_unknown
 
-   !> Words of a deck that can be misspelt, with what they belong to. The deck has no fault, and no
-   !! quotes in quotes.
+   !> Words of a deck that can be misspelt, with the group and key that they belong to. The deck has
+   !! no error, and no quotes within quotes.
    subroutine find_words(schema, text, list)
       type(schema_t), intent(in) :: schema           !! What is allowed
       character(len=*), intent(in) :: text           !! The deck
@@ -340,11 +340,11 @@ contains
       list = all(:found)
    end subroutine find_words
 
-   !> A quoted text is a word or a name that must exist, or free.
+   !> Classify a quoted text: a word or a name that must exist, or free text.
    subroutine name_quoted(schema, word, at)
       type(schema_t), intent(in) :: schema           !! What is allowed
-      type(word_t), intent(inout) :: word            !! Group and key are known
-      integer, intent(in) :: at                      !! Behind the second quote
+      type(word_t), intent(inout) :: word            !! Its group and key are known
+      integer, intent(in) :: at                      !! Position after the closing quote
 
       word%first = word%first + 1
       word%last = at - 2

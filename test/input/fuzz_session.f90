@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the programs that damage input have in common: their command line, files, the reading of a
+!> Common parts of the programs that damage input: their command line, their files, the reading of a
 !! deck with all checks of `--check`, and the end with a message.
 module fuzz_session
    use base_error, only: error_t
@@ -24,9 +24,9 @@ contains
       integer, intent(in) :: least                   !! Number of files that are needed
       character(len=:), allocatable, intent(out) :: folder !! Where to write
       integer, intent(out) :: first                  !! Number of the first mutation
-      integer, intent(out) :: mutations              !! How many
+      integer, intent(out) :: mutations              !! Number of mutations
       type(text_t), allocatable, intent(out) :: names(:) !! Of the files, without their folders
-      type(text_t), allocatable, intent(out) :: whole(:) !! Their bytes
+      type(text_t), allocatable, intent(out) :: whole(:) !! Contents of the files
       type(error_t), allocatable :: error
       character(len=1000) :: word
       integer :: i
@@ -51,10 +51,10 @@ contains
    subroutine read_scene(schema, path, grains, most_points, setup, error)
       type(schema_t), intent(in) :: schema           !! What is allowed
       character(len=*), intent(in) :: path           !! The deck
-      logical, intent(in) :: grains                  !! It is a cell of grains, which has no scene
-      real(wp), intent(in) :: most_points            !! More points are refused
-      type(run_setup_t), intent(inout) :: setup      !! New in, of the deck out
-      type(error_t), allocatable, intent(out) :: error !! What is wrong
+      logical, intent(in) :: grains                  !! True for a deck of --grains
+      real(wp), intent(in) :: most_points            !! Bodies with more points are refused
+      type(run_setup_t), intent(inout) :: setup !! Not set on entry; setup of the deck on return
+      type(error_t), allocatable, intent(out) :: error !! Error in the deck or its files
       type(text_t), allocatable :: words(:)
 
       call append(words, "--check")
@@ -73,7 +73,7 @@ contains
       end if
    end subroutine read_scene
 
-   !> Write a file, bytes as they are.
+   !> Write the bytes of a file.
    subroutine write_bytes(path, text)
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: text
@@ -88,7 +88,7 @@ contains
 
    !> End with an exit code.
    subroutine give_up(message)
-      character(len=*), intent(in) :: message        !! Last words
+      character(len=*), intent(in) :: message        !! Message to print
 
       write (output_unit, "(a)") message
       stop 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A small deck with an input file of each kind, whole, and the program that damages them."""
+"""A small deck with an undamaged input file of each kind, and the program that damages them."""
 
 import os
 import re
@@ -12,7 +12,7 @@ import numpy as np
 import case
 from scree_post import state_table
 
-#: Each file has a cube of its own.
+# : One cube per file.
 DECK = """
 &run dimension = '3d' /
 &grid lo = 0 0 0  hi = 5 1 1  dx = 0.25 /
@@ -34,7 +34,7 @@ DECK = """
 &boundary face = 'xhi'  type = 'velocity'  table = 'motion.csv' /
 &output name = 'h'  kind = 'history'  every = 1 /
 """
-#: Files of HDF5: damage may end in the library of HDF5 itself, so each is read by a process of its own.
+# : HDF5 files: the HDF5 library itself may crash on damage, so each file is read by a separate process.
 HDF5_DECK = """
 &run dimension = '3d' /
 &grid lo = 0 0 0  hi = 2 1 1  dx = 0.25 /
@@ -54,7 +54,7 @@ HDF5_SOURCE = """
 &body name = 'one'  region = 'ball'  material = 'metal' /
 &output name = 'p'  kind = 'particles'  count = 1 /
 """
-#: Sanitizers stop at the first fault and show where; a request for too much memory fails as it does without them.
+# : Sanitizers stop at the first error and show where; a request for too much memory fails as it does without them.
 ENVIRONMENT = {**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1", "UBSAN_OPTIONS": "halt_on_error=1",
                "GFORTRAN_ERROR_BACKTRACE": "0",
                "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=1"}
@@ -104,7 +104,7 @@ def write_all(folder):
 
 
 def fuzz(program, work, paths, first, count, timeout):
-    """Make mutations, from a first number on; exit code, output, and files refused by name."""
+    """Make mutations, starting at a given number; exit code, output, and number of files that are refused by name."""
     work.mkdir(parents=True, exist_ok=True)
     answer = subprocess.run([str(word) for word in (program, work, first, count, *paths)],
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
@@ -126,7 +126,7 @@ def write_hdf5(options, folder):
 
 
 def damaged(chance, whole):
-    """The bytes of a file with changed bits, with numbers of extreme values, or without its end."""
+    """The bytes of a file after damage: flipped bits, numbers of extreme values, or a missing end."""
     data = bytearray(whole)
     if chance.random() < 0.15:
         return bytes(data[:chance.randrange(len(data))])

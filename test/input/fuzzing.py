@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run the program that damages decks, on the decks that come with the project and on some more."""
+"""Run the program that damages decks, on the decks of the project and on some further ones."""
 
 import re
 import subprocess
@@ -8,10 +8,10 @@ import case
 from broken_values import DECKS
 from fuzzed_files import ENVIRONMENT
 
-# Cells five times as large, so that the points of a mutation are counted in milliseconds.
+# Cells five times as large, so that the particles of a mutation are counted in milliseconds.
 COARSE = (re.compile(r"dx = 0\.155 "), "dx = 0.775 ")
 
-# Letters, quotes, repeat counts and subscripts that the other decks do without.
+# Characters, quotes, repeat counts and subscripts that the other decks do not use.
 MIXED = """! A deck with something of everything.
 &run title = 'it''s a deck'  dimension = 'plane_strain' /
 &units system = 'mm-us-mg' /
@@ -39,7 +39,8 @@ MIXED = """! A deck with something of everything.
 
 
 def fuzz(options, first, count, timeout, program=None):
-    """Make mutations of decks, from a first number on, by the program beside scree or another; exit code and output."""
+    """Make mutations of decks, starting at a given number, by the program beside scree or another one; exit code and
+    output."""
     folder = options.work / "decks"
     folder.mkdir(parents=True, exist_ok=True)
     decks = {f"{name}.nml": text for name, text in DECKS.items()}
@@ -57,6 +58,6 @@ def fuzz(options, first, count, timeout, program=None):
 
 
 def counts(output):
-    """Mutations, refused decks and unknown words of the last line."""
+    """Numbers of mutations, refused decks and unknown words, from the last line of the output."""
     found = re.search(r"(\d+) mutations of \d+ decks: (\d+) refused, (\d+) unknown words", output)
     return tuple(int(number) for number in found.groups())

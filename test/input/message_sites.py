@@ -3,24 +3,24 @@
 
     for site in sites(root): print(site.path, site.line, site.text)
 
-A site is a call that reports an error or a warning, or the words for one in a variable; its text
-has `...` in place of each variable.
+A site is a call that reports an error or a warning, or an assignment of a message to a variable; its text has `...` in
+place of each variable.
 """
 
 import re
 from typing import NamedTuple
 
-# Procedures that report an error or a warning, or that make one.
+# Procedures that report or create an error or a warning.
 REPORTS = {"complain", "warn", "error", "warning", "fail", "command_line_error", "fail_reading", "fail_path", "fail_at",
            "fail_check", "refuse", "refuse_key", "warn_of_particle"}
 CALL = re.compile(r"\bcall\s+((?:\w+(?:\([^()]*\))?\s*%\s*)*)(\w+)\s*\(", re.I)
-# Variables that hold the words of a message until it is reported.
+# Variables that hold the text of a message until it is reported.
 WORDS = re.compile(r"(?:^|\)\s*)(?:fault|complaint|doubt)\s*=(?!=)", re.I)
-# The same in a function that is named after them.
+# The result variables of functions with these names.
 RESULT = re.compile(r"(?:^|\)\s*)text\s*=(?!=)", re.I)
 FUNCTION = re.compile(r"^(?!end).*\bfunction\s+(\w+)", re.I)
 LITERAL = re.compile(r'"((?:[^"]|"")*)"')
-FEWEST = 2                       # words in quotes of a text that is a message
+FEWEST = 2                       # a text with at least this many words in quotes is a message
 
 
 class Site(NamedTuple):
@@ -32,7 +32,7 @@ class Site(NamedTuple):
 
 
 def statements(source):
-    """Statements of a source with their first lines, continuation lines joined, comments left out."""
+    """Statements of a source with the numbers of their first lines, continuation lines joined, comments removed."""
     joined, first = "", 0
     for number, line in enumerate(source.splitlines(), 1):
         code = re.sub(r"""^((?:[^"'!]|"[^"]*"|'[^']*')*)!.*""", r"\1", line).strip()
@@ -48,7 +48,7 @@ def statements(source):
 
 
 def arguments(text):
-    """Arguments of a call, from behind its opening bracket."""
+    """Arguments of a call, from the position after its opening bracket."""
     found, depth, start, quote = [], 0, 0, ""
     for place, letter in enumerate(text):
         if quote:
@@ -68,7 +68,7 @@ def arguments(text):
 
 
 def shape(argument):
-    """A concatenation with three points for all that is not in quotes."""
+    """A concatenation with `...` in place of all parts that are not in quotes."""
     parts, depth, start, quote = [], 0, 0, ""
     for place, letter in enumerate(argument):
         if quote:
@@ -91,7 +91,7 @@ def shape(argument):
 
 
 def sites(root):
-    """All calls that report a message with words of its own."""
+    """All calls that report a message with a text of their own."""
     for path in sorted((root / "src").rglob("*.f90")):
         inside = False
         for line, statement in statements(path.read_text(encoding="utf-8")):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Snapshots with closed solutions, in the layout of the program."""
+"""Snapshots of problems with analytical solutions, in the file layout of the program."""
 import json
 import os
 
@@ -21,7 +21,7 @@ def put(group, name, values, unit=None):
 
 
 def write(path, time, points, fields, **provenance):
-    """A snapshot in the layout of the program; fields is {name: (values, unit)}."""
+    """Write a snapshot in the file layout of the program; fields is {name: (values, unit)}."""
     count = len(points)
     with h5py.File(path, "w", libver=("earliest", "v110")) as handle:
         group = handle.create_group("VTKHDF")
@@ -49,7 +49,7 @@ def write(path, time, points, fields, **provenance):
 
 
 def matter(mass, volume, velocity):
-    """The fields that every snapshot here holds."""
+    """The fields that every snapshot of this module has."""
     count = len(mass)
     return {
         "mass": (mass, "kg"),
@@ -63,7 +63,7 @@ def matter(mass, volume, velocity):
 
 
 def ball(path, dimension, cells, grown=1.0, inner=0.0, speed=1000.0, time=1.0e-6):
-    """A ball (or shell) of particles on a lattice, grown by a factor since the start."""
+    """A ball (or shell) of particles on a lattice, expanded by a factor since the start."""
     step = RADIUS / cells
     line = (np.arange(cells) + 0.5) * step
     axial = (np.arange(-cells, cells) + 0.5) * step

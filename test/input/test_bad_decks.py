@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Wrong decks and command lines: all faults in one pass, with line and hint, and the exit code.
+"""Invalid decks and command lines: all errors are reported in one pass, with line and hint, and with the exit code.
 
-Would catch a fault that is not seen, is seen at another line, hides the next one, crashes the
-program, takes memory or time with it, or changes a file.
+Would catch an error that is not found, is reported at another line, hides the next one, crashes the program, takes much
+memory or time, or changes a file.
 """
 
 import os
@@ -28,7 +28,7 @@ GOOD = values.DECKS["plain"]
 MEMORY = 2 << 30             # address space of a check [byte]; the libraries alone have 0.5 GB
 SECONDS = 10                 # processor time of a check, far more than the 0.02 s that one takes
 
-# The faults of the transcript in the manual, and what is said about them.
+# The errors of the transcript in the manual, and their messages.
 FAULTY = """&run
   title = 'many faults'
   dimention = '3d'
@@ -70,35 +70,35 @@ faulty.nml: 11 groups, 10 errors, 0 warnings"""
 
 
 def bound():
-    """Bounds of memory and time in the child."""
+    """Limit memory and time of the child process."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
 
 
 def name_of(row):
-    """A row by its deck and its message, in ASCII."""
+    """Name of a row from its deck and its message, in ASCII."""
     return ascii(f"{row[0]}: {row[4]}"[:60])[1:-1]
 
 
 def contents(folder):
-    """All files below a folder with their bytes."""
+    """All files in a folder and its subfolders with their contents."""
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 class TestBadDecks:
-    """Each is checked only, but for the last: nothing is computed."""
+    """All decks are only checked, except in the last test."""
 
     @pytest.fixture(autouse=True, scope="class")
     @classmethod
     def made(cls, file_options):
-        """Whether the program was built with checks of addresses."""
+        """True if the program was built with the address sanitizer."""
         answer = subprocess.run([file_options.scree, "--version"], stdout=subprocess.PIPE, text=True, check=True)
         cls.sanitized = "fsanitize" in answer.stdout
         if cls.sanitized:
             report.skipped("bounds of memory and time", "a program with checks of addresses maps terabytes")
 
     def check(self, options, name, text, *flags, expect=2):
-        """Write a deck, or the bytes given, check it, and give back what is said."""
+        """Write a deck, from text or bytes, check it, and return the output."""
         folder = options.work / name
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"{name}.nml"
@@ -106,7 +106,7 @@ class TestBadDecks:
         return self.run_check(options, path, ("--check", "--no-estimate", *flags), expect)
 
     def run_check(self, options, path, flags, expect):
-        """Run the program on a deck, and see that its folder is what it was."""
+        """Run the program on a deck, and check that its folder is unchanged."""
         before = contents(path.parent)
         answer = subprocess.run([options.scree, *flags, path.name], cwd=path.parent,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60,
@@ -118,7 +118,7 @@ class TestBadDecks:
         return output
 
     def look_for(self, options, row, word, expect):
-        """One row of a table: the message must stand at its line."""
+        """One row of a table: the message must be reported at its line."""
         deck, old, new, line, said = row
         assert old in values.DECKS[deck]
         output = self.check(options, "deck", values.DECKS[deck].replace(old, new, 1), expect=expect)
@@ -128,7 +128,7 @@ class TestBadDecks:
         )
 
     def test_all_faults_in_one_pass(self, options):
-        """Would catch a fault that hides another one."""
+        """Would catch an error that hides another one."""
         output = self.check(options, "faulty", FAULTY).splitlines()
         wanted = SAID.splitlines()
         found = [line for line in output if line.startswith("faulty.nml")]
@@ -137,7 +137,7 @@ class TestBadDecks:
             assert line.startswith(start), f"{line}\n{start}"
 
     def test_faults_of_all_stages(self, options, sheet):
-        """Would catch: a stage that is not run because an earlier one found a fault of something else; follow-up
+        """Would catch: a stage of checks that is skipped because an earlier one found an unrelated error; follow-up
         errors."""
         for text, lines in many.DECKS:
             with sheet.part(lines[0]):
@@ -147,14 +147,14 @@ class TestBadDecks:
                 assert told == lines, output
 
     def test_good_decks(self, options, sheet):
-        """Would catch a check that finds faults where there are none: the changes start from it."""
+        """Would catch a check that reports errors in valid decks, from which the changes start."""
         for name, text in values.DECKS.items():
             with sheet.part(name):
                 assert " 0 errors, 0 warnings" in self.check(options, name, text, expect=0)
 
     @pytest.mark.parametrize("row", ROWS, ids=name_of)
     def test_broken_decks(self, options, row):
-        """Would catch a single fault without its message, at another line, or that takes memory."""
+        """Would catch a single error without its message, at another line, or one that takes much memory."""
         self.look_for(options, row, "error", 2)
 
     def test_there_are_many(self):
@@ -162,18 +162,18 @@ class TestBadDecks:
 
     @pytest.mark.parametrize("row", scenes.WARNINGS, ids=name_of)
     def test_warnings(self, options, row):
-        """Would catch numbers in wrong units, and bodies in each other, that nobody is told of."""
+        """Would catch numbers in wrong units, and overlapping bodies, that are not reported."""
         self.look_for(options, row, "warning", 0)
 
     def test_force(self, options):
-        """Would catch sizes that can be had in no way, or a limit that --force does not lift."""
+        """Would catch sizes that cannot be requested at all, or a limit that --force does not lift."""
         deck = values.DECKS["shock"].replace("dt = 1 /", "dt = 1e-6 /")
         assert "continue with --force" in self.check(options, "force", deck)
         assert " 0 errors" in self.check(options, "force", deck, "--force", expect=0)
 
     def test_no_estimate(self, options):
-        """Would catch an estimate that is made all the same, other lines that are left out with it, another exit
-        code, and an option that is ignored where it has no meaning."""
+        """Would catch an estimate that is made in spite of the option, other lines that are omitted with it, another
+        exit code, and an option that is ignored where it has no meaning."""
         folder = options.work / "estimate"
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / "estimate.nml"
@@ -185,7 +185,7 @@ class TestBadDecks:
         assert "--no-estimate needs --check" in self.run_check(options, path, ("--no-estimate",), 2)
 
     def test_command_lines(self, options, sheet):
-        """Would catch a wrong option that is ignored."""
+        """Would catch an invalid option that is ignored."""
         for flags, said in scenes.COMMANDS:
             with sheet.part(flags):
                 output = self.check(options, "command", GOOD, *flags)
@@ -194,7 +194,7 @@ class TestBadDecks:
                 )
 
     def test_what_is_no_deck(self, options):
-        """Would catch a crash, or a wrong exit code, on files that are no deck."""
+        """Would catch a crash, or a wrong exit code, for files that are not decks."""
         assert "the deck is empty; scree --template" in self.check(options, "empty", "")
         assert "the deck is empty" in self.check(options, "comment", "! nothing here\n")
         assert "a deck is plain text" in self.check(options, "binary", bytes(range(256)) * 40)
@@ -205,7 +205,7 @@ class TestBadDecks:
         self.run_check(options, options.work / "empty", ("--check",), 3)
 
     def test_includes(self, options):
-        """Would catch an include that never ends, is ignored, or is not found."""
+        """Would catch an include that is repeated without end, ignored, or not found."""
         assert "cannot include itself" in self.check(options, "ring", "&include file = 'ring.nml' /")
         assert "cannot read 'nobody.nml'" in self.check(options, "lost", "&include file = 'nobody.nml' /", expect=3)
         assert "this is a folder" in self.check(options, "dot", "&include file = '.' /", expect=3)
@@ -219,13 +219,13 @@ class TestBadDecks:
         )
 
     def test_other_ends_of_lines(self, options):
-        """Would catch decks of other systems that are read differently."""
+        """Would catch decks with line ends of other systems that are read differently."""
         self.check(options, "returns", GOOD.replace("\n", "\r\n"), expect=0)
         self.check(options, "tabs", GOOD.replace("  ", "\t").rstrip("\n"), expect=0)
         self.check(options, "mark", b"\xef\xbb\xbf" + GOOD.encode(), expect=0)
 
     def test_results_stay(self, options, sheet):
-        """Would catch a run that is refused after it has touched the results of an earlier one."""
+        """Would catch a run that is refused only after it has changed the results of an earlier run."""
         folder = options.work / "stay"
         (folder / "out").mkdir(parents=True, exist_ok=True)
         for name in ("stay.log", "stay_history.csv", "stay_chk_0001.h5", "stay_p_000000.hdf"):

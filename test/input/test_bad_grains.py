@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Wrong decks of cells of grains, and runs of them that end early: message, line and exit code.
+"""Invalid decks of cells of grains, and runs of them that stop early: message, line and exit code.
 
-Would catch a fault that is not found, is reported at another line, or writes a file; a right deck that is refused; a
-thin cell, soft contacts, or a restart with other grains that go on with wrong results.
+Would catch an error that is not found, is reported at another line, or writes a file; a valid deck that is refused; a
+cell that is too thin, contacts that are too soft, or a restart with other grains that continue with wrong results.
 """
 
 import subprocess
@@ -13,10 +13,10 @@ import case
 
 
 class TestBadGrains:
-    """Each is checked only, but for the last ones."""
+    """All decks are only checked, except in the last tests."""
 
     def check(self, options, text, expect):
-        """Check a deck, which must not write anything; what is printed."""
+        """Check a deck, which must not write any file; the output."""
         folder = options.work / "deck"
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "deck.nml").write_text(text, encoding="ascii")
@@ -27,13 +27,13 @@ class TestBadGrains:
         return answer.stdout
 
     def test_good_decks(self, options, sheet):
-        """Would catch a check that finds faults where there are none: the changes start from these decks."""
+        """Would catch a check that reports errors in valid decks, from which the changes start."""
         for name, text in broken.DECKS.items():
             with sheet.part(name):
                 assert " 0 errors, 0 warnings" in self.check(options, text, 0)
 
     def test_broken_decks(self, options, sheet):
-        """Would catch a fault without its message, or at another line."""
+        """Would catch an error without its message, or at another line."""
         assert len(broken.FAULTS) > 15
         for deck, old, new, line, said in broken.FAULTS:
             with sheet.part(said):
@@ -44,13 +44,14 @@ class TestBadGrains:
                 ), output
 
     def test_a_run_of_the_scene_ignores_it(self, options):
-        """Would catch groups of grains that are checked in a scene, where they mean nothing."""
+        """Would catch groups of grains that are checked in a scene, where they have no effect."""
         text = broken.DECKS["discs"].replace("'isotropic'", "'xyz'")
         one = case.Case(options, "scene", text).run("--check", "--no-estimate", expect=None)
         assert "discs have no z" not in one.output
 
     def test_thin_cell(self, options, sheet):
-        """Would catch a cell in which a grain has two images of another one near, of which one is lost."""
+        """Would catch a cell in which a grain has two images of another grain as neighbours, one of which would be
+        lost."""
         for name, old, new in (("lattice", "cells = 3 3 3", "cells = 3 1 3"),
                                ("discs", "volume_fraction = 0.4", "volume_fraction = 0.4  aspect = 60 1 1")):
             with sheet.part(name):
@@ -58,7 +59,7 @@ class TestBadGrains:
                 assert "the cell is lower than two diameters and two skins at step 0: use more" in run.output
 
     def test_soft_contacts(self, options):
-        """Would catch overlaps beyond any contact law that go unnoticed."""
+        """Would catch overlaps beyond the range of any contact law that are not reported."""
         text = broken.DECKS["discs"].replace("stiffness = 1e6", "stiffness = 1e2").replace(
             "duration = 1e-3", "duration = 1").replace("0.4", "0.4  speed = 0.1")
         run = case.Case(options, "soft", text).run("--grains", "--quiet", expect=4)
@@ -66,7 +67,7 @@ class TestBadGrains:
         assert "raise stiffness (or young) in &grains" in run.output
 
     def test_restart(self, options):
-        """Would catch a restart with other grains, or one that has nothing to do."""
+        """Would catch a restart with other grains, or one after the end of the run."""
         deck = broken.DECKS["discs"]
         run = case.Case(options, "again", deck).run("--grains", "--quiet")
         run.run("--grains", "--quiet", "--restart", expect=2)
@@ -75,7 +76,7 @@ class TestBadGrains:
         run.deck.write_text(more.replace("number = 100", "number = 121"), encoding="ascii")
         run.run("--grains", "--quiet", "--restart", expect=3)
         assert "&grains number = 121, was 100" in run.output
-        # with one more stage alone it goes on, and ends as if it had had it from the start
+        # with one more stage it continues, and ends as a run that had this stage from the start
         run.deck.write_text(more, encoding="ascii")
         run.run("--grains", "--quiet", "--restart")
         whole = case.Case(options, "whole", more).run("--grains", "--quiet")

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
 # cores: 2
-"""Ranks and threads on processors: what a run says of a binding that makes threads share a core, and what it keeps.
+"""Binding of ranks and threads to processors: the warning about threads that share a core, and the binding after the
+program has restarted itself.
 
-Would catch a run of four threads on the one core that `mpirun` gives each rank, without a word; a warning about a run
-whose threads have their own cores; a command in the warning that does not remove the cause; and a program that, after
-it has begun again in its process, has all of its threads on the place of the first one.
+Would catch a run of four threads on the one core that `mpirun` gives each rank, without a warning; a warning about a
+run whose threads have separate cores; a command in the warning that does not remove the cause; and a program that,
+after it has restarted itself in the same process, has all threads on the OpenMP place of the first one.
 """
 
 import os
@@ -35,14 +36,14 @@ if len(PROCESSORS) < 2:
 
 
 def environment(threads):
-    """Settings of the tests without those that change the binding of mpirun."""
+    """The environment of the tests without variables that change the binding by mpirun."""
     words = {name: value for name, value in {**os.environ, **case.OPEN_MPI}.items()
              if not name.startswith(("OMP_", "GOMP_")) and "binding" not in name and "rmaps" not in name}
     return {**words, "OMP_NUM_THREADS": str(threads)}
 
 
 def said(options, name, *launcher, threads=1, **more):
-    """What a short run prints to the error stream."""
+    """Output of a short run on the error stream."""
     folder = options.work / name
     folder.mkdir()
     (folder / "bar.nml").write_text(DECK.format(steps=3), encoding="utf-8")
@@ -53,7 +54,7 @@ def said(options, name, *launcher, threads=1, **more):
 
 
 def need_open_mpi(options):
-    """Skip without Open MPI, whose words of the command line are used."""
+    """Skip without Open MPI, whose command-line options are used."""
     case.need_ranks(options.scree)
     if not shutil.which("mpirun") or "Open MPI" not in subprocess.run(
             ["mpirun", "--version"], capture_output=True, text=True, env={**os.environ, **case.OPEN_MPI}).stdout:
@@ -61,7 +62,8 @@ def need_open_mpi(options):
 
 
 def test_one_process(options):
-    """Restricted to one processor it says what to do, with one thread and with enough processors nothing."""
+    """Restricted to one processor, the program warns about several threads; with one thread or with enough processors
+    it does not."""
     one = f"taskset -c {PROCESSORS[0]}".split()
     text = said(options, "restricted", *one, threads=2)
     assert (f"warning: rank 0 has 2 threads and may only run on processor {PROCESSORS[0]}; use OMP_NUM_THREADS=1, or "
@@ -72,7 +74,7 @@ def test_one_process(options):
 
 
 def test_default_of_mpirun(options):
-    """One core for two threads; the command in the warning removes it."""
+    """One core for two threads; the command in the warning removes the cause."""
     need_open_mpi(options)
     text = said(options, "default", "mpirun", "-n", "1", "--bind-to", "core", threads=2)
     assert "warning: rank 0 has 2 threads and may only run on processor " in text
@@ -82,7 +84,7 @@ def test_default_of_mpirun(options):
 
 
 def test_two_ranks(options):
-    """Two ranks on one core, two on their own ones, and two that are not bound."""
+    """Two ranks on one core, two on separate cores, and two that are not bound."""
     need_open_mpi(options)
     start = ("mpirun", "-n", "2", "--bind-to", "none")
     text = said(options, "shared", *start, "taskset", "-c", PROCESSORS[0])
@@ -96,7 +98,8 @@ def test_two_ranks(options):
 
 
 def test_places_after_restart(options):
-    """With OMP_PROC_BIND the program, begun again with its setting of waiting threads, has a place for each thread."""
+    """With OMP_PROC_BIND the program has a place for each thread after it has restarted itself to set the waiting
+    policy."""
     folder = options.work / "begun_again"
     folder.mkdir()
     (folder / "bar.nml").write_text(DECK.format(steps=ENDLESS), encoding="utf-8")

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bodies that are repeated, thrown by speed and direction, turned about their centres, or set in motion by formulas.
+"""Bodies that are repeated, have a velocity by speed and direction, are rotated about their centres, or have velocities
+by formulas.
 
-Would catch a copy that is not the body written by hand, a direction that is not made a unit vector, a rotation about
-the wrong point, velocities of a formula that are those of another place or unit, or depend on ranks, and bodies that
-the echo makes again.
+Would catch a copy that differs from the same body written by hand, a direction that is not normalised, a rotation about
+the wrong point, velocities of a formula at other positions or in other units, or that depend on ranks, and bodies that
+the echo repeats again.
 """
 
 import numpy as np
@@ -26,12 +27,12 @@ class TestBodies:
     """Bricks in a box."""
 
     def run_of(self, options, name, bodies, ranks=1, expect=0, units="mm-us-mg", method="", fields=""):
-        """A run of some bodies."""
+        """A run with some bodies."""
         deck = DECK.format(bodies=bodies, units=units, method=method, fields=fields)
         return case.Case(options, name, deck, ranks).run("--quiet", expect=expect)
 
     def test_repeated(self, options):
-        """A lattice of bricks against the same written by hand, and its echo."""
+        """A lattice of repeated bricks against the same bricks written by hand, and its echo."""
         run = self.run_of(options, "repeated", BOX.format("a", "translate = 0, 0, 0.25") + BODY.format(
             "a", "velocity = 0 0 -1  repeat = 2, 1, 3  repeat_step = 7, 0, 5"))
         written = ""
@@ -46,7 +47,7 @@ class TestBodies:
         assert run.summary["digest"] == again.summary["digest"]
 
     def test_speed_and_direction(self, options):
-        """A direction of any length, against the velocity."""
+        """A speed with a direction of any length, against the velocity."""
         speed = self.run_of(options, "speed", BOX.format("a", "") + BODY.format(
             "a", "speed = 5 km/s  direction = 30, 0, -40"))
         velocity = self.run_of(options, "velocity", BOX.format("a", "") + BODY.format("a", "velocity = 3, 0, -4"))
@@ -54,7 +55,8 @@ class TestBodies:
         assert speed.summary["digest"] == velocity.summary["digest"]
 
     def test_rotation_about_the_centre(self, options):
-        """A brick on edge has its centre where it had it, also scaled and moved; about the origin it leaves the box."""
+        """A rotated brick keeps its centre, also when it is scaled and translated; rotated about the origin it leaves
+        the box."""
         run = self.run_of(options, "turned", BOX.format(
             "a", "scale = 1.5  rotate = 0 90 0  rotate_about = 'centre'  translate = 2, 0, 3") + BODY.format("a", ""))
         points = run.snapshots()[0][1].points * 1e3
@@ -68,7 +70,8 @@ class TestBodies:
         assert "a halfspace has no centre to rotate about" in none.output
 
     def test_formula(self, options):
-        """Velocities at the particles, in two systems of units, on two ranks, and what APIC carries."""
+        """Velocities at the particles, in two systems of units, on two ranks, and the linear velocity fields of
+        APIC."""
         body = BOX.format("a", "") + BODY.format("a", "{}")
         mine = body.format("velocity = 0.1 0 0  velocity_formula = '{1/4}*(x - 4)', '7', '-0.2*z + sin(x)'")
         run = self.run_of(options, "formula", "&define b = 1 /\n" + mine)
@@ -85,7 +88,7 @@ class TestBodies:
         assert np.abs(plain.fields["velocity"] - wanted).max() < 1e-9
 
     def test_formula_turns_as_spin_does(self, options, sheet):
-        """A rotation by formula about the centre of mass is the state of the key spin, for APIC too."""
+        """A rotation by formula about the centre of mass gives the state of the key `spin`, also for APIC."""
         omega = 0.002
         for method in ("method = 'ddmp'", "/\n&method transfer = 'apic'"):
             with sheet.part(method):
@@ -99,7 +102,7 @@ class TestBodies:
                 assert np.abs(states[0] - states[1]).max() < 1e-9 * scale
 
     def test_formula_without_a_value(self, options):
-        """The particle at fault is told with its place, also if another rank has it."""
+        """The offending particle is reported with its position, also if it is on another rank."""
         for ranks in (1, 2):
             run = self.run_of(options, "hole", BOX.format("a", "") + BODY.format(
                 "a", "velocity_formula = 'sqrt(x - 4)', '0', '0'"), ranks=ranks, expect=2)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""A run that goes on from a checkpoint knows with which deck it was written.
+"""A restart compares its deck with the one in the checkpoint.
 
-Would catch: a state that goes on in a scene where it means nothing (another grid, density, body, law), a change that is
-made without a word, a finished case that is submitted again with another deck and reports success with its old results,
-an older checkpoint that is taken because it fits, and outputs that are lost because the deck has other streams or
-another end than before.
+Would catch: a state that is continued in a scene in which it has no meaning (another grid, density, body, law), a
+change that is not reported, a finished case that is submitted again with another deck and reports success with its old
+results, an older checkpoint that is used because it fits the deck, and outputs that are lost because the deck has other
+streams or another end time.
 """
 
 import json
@@ -28,7 +28,7 @@ DECK = """
 &output  name='p'  kind='particles'  every=5 /
 &output  name='g'  kind='grid'  every=5 /
 """
-# Key as in a message, in place of what in the deck.
+# Key as in a message, and the change of the deck.
 REFUSED = [
     ("&grid dx = 0.05, was 0.1", "dx=0.1", "dx=0.05"),
     ("&grid hi = 2.0, 1.0, 1.0, was 1.0, 1.0, 1.0", "hi=1,1,1", "hi=2,1,1"),
@@ -52,20 +52,20 @@ TOLD = [
 
 
 def contents(folder):
-    """Files of a folder with their bytes, but the deck."""
+    """Files of a folder with their contents, except the deck."""
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix != ".nml"
             or ".echo." in path.name}
 
 
 class TestChangedDecks:
-    """A run of ten steps, and decks to go on with."""
+    """A run of ten steps, and decks for its restart."""
 
     def run_of(self, options, name, deck=DECK, steps=10):
-        """The first part."""
+        """The first part of the run."""
         return case.Case(options, name, deck.format(steps=steps)).run("--quiet")
 
     def again(self, run, old, new, *flags, steps=20, deck=DECK, expect=0):
-        """The same with something else in the deck."""
+        """A restart with a changed deck."""
         assert deck.count(old) == 1, old
         run.deck.write_text(deck.replace(old, new).format(steps=steps), encoding="utf-8")
         return run.run("--restart", *flags, expect=expect)
@@ -84,7 +84,8 @@ class TestChangedDecks:
         assert run.output.count("&grid dx = 0.05, was 0.1") == 1, run.output
 
     def test_told(self, options, sheet):
-        """Keys that change the physics of the rest are a warning, those of its end and its files are not."""
+        """A change of keys for the physics of the remaining run is a warning; a change of its end time or its files is
+        not."""
         for number, (said, old, new) in enumerate(TOLD):
             with sheet.part(said):
                 run = self.run_of(options, f"told_{number}")
@@ -99,8 +100,8 @@ class TestChangedDecks:
         assert "&run title = 'another', was" in run.path(".log").read_text(encoding="utf-8")
 
     def test_finished(self, options, sheet):
-        """A finished case with a changed deck has no new results and does not say so by exit code 0; as it is, it
-        ends well."""
+        """A finished case with a changed deck has no new results and must not end with exit code 0; with an unchanged
+        deck it ends with 0."""
         run = self.run_of(options, "finished")
         before = contents(run.folder)
         for old, new in (("friction=0.2", "friction=0.5"),
@@ -114,7 +115,7 @@ class TestChangedDecks:
         assert run.summary["steps"] == 10
 
     def test_at_rest(self, options):
-        """The same where stop_when has ended it."""
+        """The same if `stop_when` has ended the run."""
         deck = DECK.replace("t_end=1", "t_end=1  stop_when='kinetic_below'  stop_value=1e9")
         run = self.run_of(options, "rest", deck, steps=100)
         assert run.summary["steps"] == 0
@@ -122,7 +123,7 @@ class TestChangedDecks:
         assert "the run is finished" in run.output
 
     def test_no_older_one(self, options):
-        """A checkpoint of another deck is not passed over for one that fits."""
+        """A newer checkpoint of another deck is not skipped in favour of an older one that fits."""
         run = self.run_of(options, "mixed")
         other = self.run_of(options, "other", DECK.replace("dx=0.1", "dx=0.05"))
         run.path("_chk_0002.h5").write_bytes(other.path("_chk_0001.h5").read_bytes())
@@ -130,10 +131,11 @@ class TestChangedDecks:
         assert "_chk_0002.h5' belongs to another deck" in run.output
 
     def test_streams(self, options):
-        """A deck with more streams, fewer, or in another order keeps the snapshots that are there, and numbers on."""
+        """A deck with more streams, fewer, or in another order keeps the existing snapshots and continues their
+        numbers."""
         run = self.run_of(options, "streams")
         kept = {path.name: path.read_bytes() for path in run.folder.glob("*.hdf")}
-        assert len(kept) == 6 + 1              # the last one holds the walls
+        assert len(kept) == 6 + 1              # the last one has the walls
         self.again(run, "&output  name='h'  kind='history'    every=5 /",
                    "&output  name='g2'  kind='grid'  every=5 /\n&output  name='h'  kind='history'  every=5 /")
         for name, content in kept.items():
@@ -143,7 +145,8 @@ class TestChangedDecks:
         assert run.history["step"].tolist() == [0, 5, 10, 15, 20]
 
     def test_longer(self, options):
-        """Outputs by count go on when the end is moved, at their new distance."""
+        """A restart with a later end time continues outputs that are given by `count`, with the interval that follows
+        from the new end."""
         deck = DECK.replace("max_steps={steps}", "").replace("t_end=1", "t_end={steps}e-5").replace(
             "kind='history'    every=5", "kind='history'  count=10")
         run = self.run_of(options, "longer", deck)
@@ -152,7 +155,7 @@ class TestChangedDecks:
         assert run.history["step"].tolist() == [*range(11), *range(12, 41, 4)]
 
     def test_echo_is_kept(self, options):
-        """What the deck was is in the checkpoint, and a run that goes on writes its own."""
+        """The checkpoint contains the deck that wrote it, and a restarted run writes its own deck."""
         run = self.run_of(options, "echo")
         self.again(run, "friction=0.2", "friction=0.5", "--quiet")
         self.again(run, "friction=0.2", "friction=0.5", "--quiet", steps=30)

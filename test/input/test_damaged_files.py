@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checkpoints with damage: a run goes on from an older one or not at all, and never from a wrong one.
+"""Damaged checkpoints: a restart continues from an older one or refuses to start, and never uses a damaged one.
 
-Would catch a damaged file that is used, that kills the program or the HDF5 library, or whose digest is
-that of another state; and a restart that fails after it has touched earlier results.
+Would catch a damaged file that is used, that crashes the program or the HDF5 library, or whose digest is that of
+another state; and a restart that fails after it has changed earlier results.
 """
 
 import random
@@ -15,8 +15,8 @@ import case
 import confine
 
 SEED = 5
-FLIPS, CUTS = 150, 40           # of --digest
-RESTARTS = 12                   # of --restart, which starts message passing
+FLIPS, CUTS = 150, 40           # runs of --digest
+RESTARTS = 12                   # runs of --restart, which start MPI
 DECK = """
 &run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
@@ -33,19 +33,19 @@ TITLE = b"scree-checkpoint-2"
 
 
 def digest(options, path):
-    """Exit code and what --digest says of a file."""
+    """Exit code and output of --digest for a file."""
     answer = subprocess.run([options.scree, "--digest", path], stdout=subprocess.PIPE, timeout=60,
                             stderr=subprocess.STDOUT, check=False)
     return answer.returncode, answer.stdout.decode(errors="replace").strip()
 
 
 def contents(folder):
-    """All files of a folder with their bytes."""
+    """All files of a folder with their contents."""
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 class TestDamage:
-    """One run with several checkpoints, whose files are then damaged."""
+    """One run with several checkpoints, which are then damaged."""
 
     @pytest.fixture(autouse=True, scope="class")
     @classmethod
@@ -57,25 +57,25 @@ class TestDamage:
         cls.chance = random.Random(SEED)
 
     def flipped(self):
-        """The newest checkpoint with one to five bits changed anywhere."""
+        """The newest checkpoint with one to five flipped bits at random positions."""
         data = bytearray(self.bytes_)
         for place in self.chance.sample(range(len(data)), self.chance.choice([1, 1, 1, 2, 5])):
             data[place] ^= 1 << self.chance.randrange(8)
         return bytes(data)
 
     def cut(self):
-        """The newest checkpoint without its end, or with something behind it."""
+        """The newest checkpoint without its end, or with bytes appended."""
         if self.chance.random() < 0.1:
             return self.bytes_ + b"\n"
         return self.bytes_[:self.chance.randrange(len(self.bytes_))]
 
     def test_whole_file(self, options):
-        """Would catch a digest that is not that of the state, or damage found in whole files."""
+        """Would catch a digest that is not that of the state, or damage reported for undamaged files."""
         assert digest(options, self.paths[-1]) == (0, self.run_.summary["digest"])
         assert digest(options, self.paths[0])[0] == 0
 
     def test_digest(self, options):
-        """Would catch damage that is not seen: each file must end in exit code 3 and a message."""
+        """Would catch damage that is not found: each file must lead to exit code 3 and a message."""
         path = options.work / "damaged.h5"
         for data in [self.flipped() for _ in range(FLIPS)] + [self.cut() for _ in range(CUTS)]:
             path.write_bytes(data)
@@ -98,7 +98,7 @@ class TestDamage:
         assert digest(options, options.work)[0] == 3
 
     def again(self, options, name, deck=DECK, keep=None):
-        """A copy of the run, with only the newest checkpoints if so wished."""
+        """A copy of the run, optionally with the newest checkpoints only."""
         copy = case.Case(options, name, deck)
         for number, path in enumerate(self.paths[-(keep or 0):], start=1):
             shutil.copyfile(path, copy.folder / f"{name}_chk_{number:04d}.h5")
@@ -107,7 +107,7 @@ class TestDamage:
         return copy
 
     def test_older_one_is_used(self, options):
-        """Would catch a restart from damage, or from an older file without a word about it."""
+        """Would catch a restart from a damaged file, or one from an older file that is not reported."""
         copy = self.again(options, "older", keep=2)
         older, newest = sorted(copy.folder.glob("*.h5"))
         for number in range(RESTARTS):
@@ -120,8 +120,8 @@ class TestDamage:
                 path.unlink()
 
     def test_without_permission(self, options):
-        """Would catch a checkpoint that an ordinary user may not read and that stops a restart, or is passed over
-        without a word or for a wrong reason; and a digest of it."""
+        """Would catch a checkpoint without read permission that stops a restart, or is skipped without a message or
+        with a wrong reason; and a digest of it."""
         with confine.user(options) as somebody:
             if somebody.why:
                 pytest.skip(somebody.why)
@@ -139,7 +139,7 @@ class TestDamage:
             assert (answer.returncode, answer.stdout.splitlines()[0]) == (3, f"{said} [F106]")
 
     def test_none_is_left(self, options):
-        """Would catch a run that begins anew, or changes files, when no checkpoint can be used."""
+        """Would catch a run that starts from the beginning, or changes files, when no checkpoint can be used."""
         copy = self.again(options, "none", keep=2)
         for path in copy.folder.glob("*.h5"):
             path.write_bytes(self.flipped())
@@ -149,7 +149,7 @@ class TestDamage:
             assert before == contents(copy.folder), "a file was changed"
 
     def test_other_decks(self, options, sheet):
-        """Would catch a state that is read into a run of other materials or fields."""
+        """Would catch a state that is read into a run with other materials or fields."""
         for name, old, new, said in (
                 ("spatial", "plane_strain", "3d", "&run dimension = '3d', was 'plane_strain'"),
                 ("renamed", "soft", "gel", "&material 'soft' is gone"),

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Snapshots with damage do not keep a run from going on: they are named, left out of the series, and a later restart
-that finds them whole again has them back.
+"""Damaged snapshots do not prevent a restart: they are reported and left out of the series, and a later restart
+includes them again if they have been restored.
 
-Would catch: a restart that a truncated, empty or scribbled snapshot stops or kills, one left out without a word,
-and a series that still names it.
+Would catch: a restart that a truncated, empty or overwritten snapshot stops or crashes, a snapshot that is left out
+without a message, and a series that still lists it.
 """
 
 import random
@@ -26,7 +26,7 @@ VICTIM = "_p_000001.hdf"
 
 
 def restart(options, sheet, label, damage):
-    """One run, one damaged snapshot, and the run that goes on."""
+    """One run, one damaged snapshot, and the restart."""
     run = case.Case(options, "series", DECK.format(steps=20)).run("-q")
     path = run.path(VICTIM)
     whole = path.read_bytes()
@@ -39,7 +39,7 @@ def restart(options, sheet, label, damage):
 
 
 def test_damaged_series(options, sheet):
-    """Damage that is seen must be told; damage in numbers that nobody looks at may pass."""
+    """Detected damage must be reported; damage in numbers that are not read may remain undetected."""
     for label, damage in (
             ("cut in half", lambda path, whole: path.write_bytes(whole[:len(whole) // 2])),
             ("empty", lambda path, whole: path.write_bytes(b"")),

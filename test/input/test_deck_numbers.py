@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Names, expressions and units of a deck against the same numbers written by hand.
+"""Names, expressions and units of a deck, against the same numbers written by hand.
 
 Would catch an expression or a unit that gives other bits than the written number, a unit that is converted twice, a
-value of the command line that the definitions do not see, and an echo that runs to another result.
+value of the command line that definitions do not use, and an echo that leads to another result.
 """
 
 import math
@@ -39,7 +39,7 @@ PLAIN = """&run dimension = 'plane_strain' /
 &body name = 'plate'  region = 'plate'  material = 'al'  ppc = 2 1 2 /
 &output name = 'h'  kind = 'history'  every = 5 /
 """
-COSINE = f"{-6.71 * math.cos(math.radians(30))!r}e3"     # the shortest decimal of these bits, in km/s
+COSINE = f"{-6.71 * math.cos(math.radians(30))!r}e3"     # the shortest decimal number with these bits, in km/s
 
 
 class TestNumbers:
@@ -52,7 +52,7 @@ class TestNumbers:
         return run.summary["digest"]
 
     def test_bits_of_the_written_numbers(self, options):
-        """The same state to the last bit, also from the echo and in a folder with a blank."""
+        """The same state to the last bit, also from the echo and in a folder with a blank in its name."""
         named = self.digest(options, "named", NAMED)
         assert named == self.digest(options, "plain", PLAIN.format(down=COSINE))
         echo = (place(options).work / "named/named.echo.nml").read_text(encoding="utf-8")
@@ -60,7 +60,7 @@ class TestNumbers:
         assert named == self.digest(options, "echo", echo)
 
     def test_command_line(self, options):
-        """A definition that is set changes all that depends on it."""
+        """A definition set on the command line changes all values that depend on it."""
         slow = self.digest(options, "slow", NAMED, "--set", "define.angle=0", "--set", "define.v=3 km/s")
         plain = self.digest(options, "slow_plain", PLAIN.format(down=COSINE), "--set",
                             "body[ball].velocity=0 0 -3 km/s")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Particles at random places with a least distance (packing = 'poisson_disk').
+"""Particles at random positions with a least distance (packing = 'poisson_disk').
 
-Would catch points nearer than they may be, above all where blocks of cells meet and round a periodic box, points that
-depend on ranks, threads or tiles, a pattern that repeats or ignores the seed, a mass that is not that of the lattice,
-and far more or fewer points than ppc says.
+Would catch particles closer than the least distance, above all where blocks of cells meet and across periodic
+boundaries, particles that depend on ranks, threads or tiles, a pattern that repeats or ignores the seed, a mass other
+than that of the lattice, and far more or fewer particles than ppc specifies.
 """
 
 import numpy as np
@@ -25,7 +25,7 @@ WALLS = "&boundary face = 'all'  type = 'periodic' /"
 
 
 def least(points, bound):
-    """Least distance between two points, if it is below a bound."""
+    """Least distance between two particles, if it is below a bound."""
     points = points[np.argsort(points[:, 0])]
     best, step = bound, 1
     while True:
@@ -43,17 +43,18 @@ class TestDisks:
     def run_of(self, options, name, shape, dimension="3d", hi=1, seed=1, ranks=1, packing="poisson_disk", ppc="2 2 2",
                faces="",
                grid="", flags=(), threads=1):
-        """A run of no steps."""
+        """A run of zero steps."""
         deck = DECK.format(dimension=dimension, hi=hi, shape=shape, seed=seed, packing=packing, ppc=ppc, faces=faces,
                            grid=grid)
         return case.Case(options, name, deck, ranks, threads).run(*flags)
 
     def told(self, run):
-        """Least distance that the program promises."""
+        """Least distance that the program reports."""
         return float(run.output.split("points at least ")[1].split()[0])
 
     def test_distance_number_and_mass(self, options, sheet):
-        """In each kind of scene: nobody nearer than promised, about ppc points a cell, the mass of the lattice."""
+        """In each kind of scene: no distance below the reported one, about ppc particles per cell, the mass of the
+        lattice."""
         for dimension, directions, hi, share in [("3d", 3, 1, 0.8), ("plane_strain", 2, 2, 0.75), ("1d", 1, 16, 0.7),
                                                  ("axisymmetric", 2, 2, 0.75)]:
             with sheet.part(dimension):
@@ -75,7 +76,7 @@ class TestDisks:
         assert abs(random.fields["mass"].max() / random.fields["mass"].min() - 1.0) <= 0.5e-12
 
     def test_periodic(self, options):
-        """Round a periodic box as well, whatever the number of cells."""
+        """Also across periodic boundaries, for any number of cells."""
         for hi in (0.625, 0.8125, 1.6875):        # 10, 13 and 27 cells
             run = self.run_of(options, "periodic", BOX, "plane_strain", hi, faces=WALLS)
             points = run.snapshots()[-1][1].points[:, [0, 2]]
@@ -84,7 +85,7 @@ class TestDisks:
             assert least(images, 0.03) >= self.told(run) * (1 - 1e-5)
 
     def test_ranks_threads_tiles_seed(self, options):
-        """The same for any ranks, threads and tiles; another seed and another body give others."""
+        """The same for any ranks, threads and tiles; another seed or another body gives other positions."""
         one = self.run_of(options, "one", BALL)
         for how in ({"ranks": 2}, {"ranks": 3}, {"threads": 2}, {"grid": "block = 5"}):
             other = self.run_of(options, "other", BALL, **how)
@@ -95,7 +96,7 @@ class TestDisks:
         assert np.abs(points.mean(axis=0) - 0.5).max() < 0.003
 
     def test_blocks_differ(self, options):
-        """Of the points of two neighbouring blocks only those near the faces are the same."""
+        """Two adjacent blocks have the same particles only near their faces."""
         points = self.run_of(options, "blocks", BOX, "plane_strain", 1.25).snapshots()[-1][1].points[:, [0, 2]]
         local = [np.round(points[(points[:, 0] // 0.625 == k) & (points[:, 1] < 0.625)] - [0.625 * k, 0], 9)
                  for k in (0, 1)]
@@ -105,7 +106,7 @@ class TestDisks:
         assert len(same) < 0.25 * len(local[0])
 
     def test_no_lattice_is_left(self, options):
-        """Places in cells are spread evenly, and none is preferred."""
+        """Positions within cells are uniformly distributed."""
         points = self.run_of(options, "even", BOX, "plane_strain", 4).snapshots()[-1][1].points[:, [0, 2]]
         counts = np.histogram2d(*((points / 0.0625) % 1).T, bins=4)[0].ravel()
         assert np.abs(counts / counts.mean() - 1).max() < 0.12

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""`scree --check` and the log tell which effects and models are on, and who says so; the timing table has their rows.
+"""`scree --check` and the log list the effects and models that are on, and whether the deck or a default sets them; the
+timing table has their rows.
 
-Would catch: an effect that is on and not told, one that is told and off, a default taken for a word of the deck, the
-models of another material, a log that says less than the check, a row of the timing table for an effect that is off,
-and one without time for an effect that is on.
+Would catch: an effect that is on and not listed, one that is listed and off, a default that is reported as a choice of
+the deck, the models of another material, a log with less information than the check, a row of the timing table for an
+effect that is off, and one without time for an effect that is on.
 """
 
 import case
@@ -42,7 +43,7 @@ CASES = (  # effects, metal, water, lines
 
 
 def test_effects_told(options, sheet):
-    """Each deck by check and by log."""
+    """Each deck with the check and with the log."""
     for number, (effects, metal, water, lines) in enumerate(CASES):
         run = case.Case(options, f"told_{number}", DECK.format(effects=effects, metal=metal, water=water))
         told = run.run("--check", "--no-estimate").output

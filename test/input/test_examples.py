@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`--list examples` and `--new`: from the build tree, installed, and where they must refuse.
 
-Would catch examples that are found only from the source tree or one working folder, a copy that does not run or
-whose picture cannot be drawn, text that points to files that are not there, and a folder that is overwritten.
+Would catch examples that are found only from the source tree or from one working folder, a copy that does not run or
+whose picture cannot be drawn, a text that refers to files that do not exist, and a folder that is overwritten.
 """
 
 import os
@@ -19,7 +19,7 @@ LINK = re.compile(r"\]\(([^)\s:]+)\)")
 
 
 def run(options, program, *words, folder=None):
-    """Exit code, output and errors of a call from a folder."""
+    """Exit code, output and errors of a call from a given folder."""
     answer = subprocess.run([str(word) for word in (program, *words)], cwd=folder or options.work, text=True,
                             timeout=100,
                             capture_output=True, env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"})
@@ -27,7 +27,7 @@ def run(options, program, *words, folder=None):
 
 
 class TestExamples:
-    """Each test has a folder of its own, with a blank and an accent in its name."""
+    """Each test has a separate folder, with a blank and an accent in its name."""
 
     @pytest.fixture(autouse=True)
     def made(self, options):
@@ -64,11 +64,11 @@ class TestExamples:
                     assert (copy / target).exists(), target
                 assert (copy / "view.py").exists() == (not of_grains)
                 assert ("scree-post grains out/grain_cell" in told) == of_grains, told
-                if not of_grains:                        # there are no job scripts for cells of grains
+                if not of_grains:                        # cells of grains have no job scripts
                     assert subprocess.run(["bash", "-n", copy / "job.slurm"]).returncode == 0
 
     def test_run_and_plot(self, options):
-        """Would catch a plot script that does not fit the files of the program."""
+        """Would catch a plot script that does not match the output files of the program."""
         assert run(options, options.scree, "--new", "two_discs", "mine", folder=self.folder)[0] == 0
         code, _, wrong = run(options, options.scree, "--quiet", "--set", "time.max_steps=20", "two_discs.nml",
                              folder=self.folder / "mine")
@@ -99,7 +99,7 @@ class TestExamples:
         assert run(options, options.scree, "--new", "two_discs", "empty", folder=self.folder)[0] == 0
 
     def test_installed(self, options):
-        """Would catch an installation that still looks into the tree it was built in."""
+        """Would catch an installation that depends on the build tree."""
         build = options.scree.parents[1]
         if not (build / "cmake_install.cmake").is_file():
             pytest.skip("there is no build tree around the program")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Regions from STL files: what they hold, what is said of leaks, and files that are broken.
+"""Regions from STL files: the particles in them, the warnings about leaks, and broken files.
 
-Would catch a point that is taken for outside because its ray meets an edge or a corner, volumes that do not fit,
-a text and a binary file that differ, facets of a text that it does not hold, or too little room for those behind
-tabs, transformations in another order, and a broken file that is taken for a whole one.
+Would catch a point that is taken for outside because its ray meets an edge or a corner, wrong volumes, a text and a
+binary file that give different results, facets of a text that are counted wrongly, or too little memory for facets
+after tabs, transformations in another order, and a broken file that is accepted.
 """
 
 import struct
@@ -25,13 +25,13 @@ CUBE = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6,
 
 
 def box(lower, upper):
-    """Twelve facets of a box, seen from outside counterclockwise."""
+    """Twelve facets of a box, counterclockwise as seen from outside."""
     corners = np.array([[(lower, upper)[k >> d & 1][d] for d in range(3)] for k in range(8)], dtype=float)
     return corners[np.array(CUBE)]
 
 
 def ball(n, centre=(0.5, 0.5, 0.5), radius=0.3):
-    """Facets of a sphere: n rows of 2 n quadrangles, cut in two."""
+    """Facets of a sphere: n rows of 2 n quadrangles, each split into two triangles."""
     polar, around = np.linspace(0, np.pi, n + 1), np.linspace(0, 2 * np.pi, 2 * n + 1)[:-1]
     points = np.array([[(np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)) for b in around] for a in polar])
     points[0], points[-1] = (0, 0, 1), (0, 0, -1)
@@ -50,7 +50,7 @@ def ball(n, centre=(0.5, 0.5, 0.5), radius=0.3):
 
 
 def volume(facets):
-    """Volume that facets enclose."""
+    """Volume that the facets enclose."""
     return np.einsum("ij,ij->", facets[:, 0], np.cross(facets[:, 1], facets[:, 2])) / 6
 
 
@@ -61,7 +61,7 @@ def binary(facets):
 
 
 def text(facets):
-    """A text file, with the ends of lines of another system."""
+    """A text file, with the line ends of another system."""
     lines = ["solid thing"]
     for facet in facets:
         lines += ["  facet normal 0 0 0", "    outer loop"]
@@ -75,7 +75,7 @@ class TestFacets:
 
     def run_of(self, options, name, content, more="", ranks=1, system="si", size=1, dx=0.0625, flags=("--quiet",),
                expect=0):
-        """A run of no steps."""
+        """A run of zero steps."""
         shape = f"shape = 'stl'  file = '{name}.stl'  {more}"
         run = case.Case(options, name, DECK.format(system=system, size=size, dx=dx, shape=shape), ranks)
         (run.folder / f"{name}.stl").write_bytes(content)
@@ -87,9 +87,9 @@ class TestFacets:
         return points[np.lexsort(points.T)]
 
     def test_box_on_the_lattice(self, options, sheet):
-        """A box holds the points of a box, though rays meet its edges, corners and diagonals."""
-        for lower, upper in [((0.25, 0.25, 0.25), (0.75, 0.5, 0.625)),      # faces between points
-                             ((0.265625, 0.265625, 0.265625), (0.765625, 0.515625, 0.640625))]:  # faces on points
+        """A box has the particles of a box, although rays meet its edges, corners and diagonals."""
+        for lower, upper in [((0.25, 0.25, 0.25), (0.75, 0.5, 0.625)),      # faces between particles
+                             ((0.265625, 0.265625, 0.265625), (0.765625, 0.515625, 0.640625))]:  # faces on particles
             found = self.points(self.run_of(options, "box", binary(box(lower, upper))))
             shape = "shape = 'box'  lo = {} {} {}  hi = {} {} {}".format(*lower, *upper)
             plain = DECK.format(system="si", size=1, dx=0.0625, shape=shape)
@@ -99,7 +99,7 @@ class TestFacets:
                 assert np.array_equal(found, wanted), (len(found), len(wanted))
 
     def test_ball(self, options):
-        """The particles of a sphere of facets fill the volume of its facets; text, binary and ranks agree."""
+        """The particles of a sphere of facets have the volume of its facets; text, binary and ranks agree."""
         facets = ball(24)
         assert abs(volume(facets) / (4 / 3 * np.pi * 0.3**3) - 1.0) <= 0.5e-1
         one = self.run_of(options, "ball", binary(facets), dx=0.03125)
@@ -115,7 +115,7 @@ class TestFacets:
             assert other.summary["digest"] == one.summary["digest"]
 
     def test_transformations(self, options):
-        """Scale, then turn, then move; lengths of the file are in the unit of the deck."""
+        """The order is scale, rotate, translate; lengths of the file are in the unit of the deck."""
         wanted = self.points(self.run_of(options, "there", binary(box((0.25, 0.375, 0.25), (0.5, 0.75, 0.625)))))
         turned = binary(box((-3, 2, 2), (0, 4, 5)))          # turned by -90 degrees about z it is y, -x, z
         found = self.points(self.run_of(options, "moved", turned,
@@ -127,7 +127,7 @@ class TestFacets:
         assert np.allclose(self.points(cgs), wanted)
 
     def test_check_tells_of_the_surface(self, options, sheet):
-        """Leaks, facets that are turned, twice or flat, and the two volumes."""
+        """Leaks, facets that are inverted, duplicate or flat, and the two volumes."""
         facets = ball(12)
         turned = facets.copy()
         turned[40] = turned[40][::-1]
@@ -160,7 +160,7 @@ class TestFacets:
         assert abs(len(self.points(run)) / smooth - 1.0) < 0.002
 
     def test_broken_files(self, options, sheet):
-        """Each is refused with what is wrong and where; nothing crashes."""
+        """Each is refused with the error and its position; nothing crashes."""
         good, plain = binary(ball(4)), text(ball(4))
         lines = plain.decode().split("\r\n")
         nan = bytearray(good)
@@ -190,10 +190,10 @@ class TestFacets:
 
 
 class TestPackings:
-    """How sites become particles."""
+    """Conversion of lattice sites to particles."""
 
     def test_jitter(self, options):
-        """Each point stays in the middle half of its site, none in its middle, the same for any ranks."""
+        """Each particle is within the middle half of its site, none in the centre, the same for any ranks."""
         deck = DECK.format(system="si", size=1, dx=0.0625, shape="shape = 'box'  "
                            "lo = 0.25 0.25 0.25  hi = 0.75 0.75 0.75")
         deck = deck.replace("material = 'metal' /", "material = 'metal'  packing = 'jitter' /")
@@ -210,7 +210,7 @@ class TestPackings:
 
 
 def inside(name, x, y, z):
-    """The formulas of the solids below, about their centre."""
+    """The formulas of the solids below, about their centres."""
     if name == "ellipsoid":
         return (x / 0.4)**2 + (y / 0.2)**2 + (z / 0.3)**2 < 1
     if name == "cone":
@@ -224,7 +224,7 @@ def inside(name, x, y, z):
 
 
 class TestSolids:
-    """Shapes with formulas: their particles against points of the formula, turned ones against the volume."""
+    """Shapes with formulas: their particles against points of the formula, rotated ones against the volume."""
 
     def test_volumes(self, options, sheet):
         tilt = "  rotate = 20 0 30"
@@ -249,5 +249,5 @@ class TestSolids:
                     assert run.summary["particles"] > 5000
                     if turned:
                         assert abs(run.summary["particles"] * 0.015625**3 / wanted - 1.0) < 0.01
-                    else:      # but for points on the surface
+                    else:      # except for points on the surface
                         assert abs(run.summary["particles"] / known - 1.0) < 0.004

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
 # cores: 2
-"""The end table names the few particles that make the steps short.
+"""The table at the end of a run names a few particles that limit the time step.
 
-Would catch: a scene limited by one fast body that does not say so, a factor that the speeds do not give, counts or a
-name that depend on ranks, and a line where all particles are alike.
+Would catch: a scene limited by one fast body without this line, a factor that does not follow from the speeds, counts
+or a name that depend on ranks, and the line in a run in which all particles are alike.
 """
 
 import case
@@ -25,7 +25,7 @@ WAVE = (1.0e6 / 1000 + 4 * 5.0e5 / 3 / 1000) ** 0.5                       # 40.8
 
 
 class TestFew:
-    """36 of 3636 particles fly, which is less than one in a hundred."""
+    """36 of 3636 particles are fast, which is less than one in a hundred."""
 
     def ended(self, options, name, speed, ranks=1):
         run = case.Case(options, name, DECK.format(speed=speed), ranks=ranks)
@@ -33,7 +33,8 @@ class TestFew:
         return run.summary["steps_limited_by_few"], run.path(".log").read_text(encoding="utf-8")
 
     def test_fast_body(self, options):
-        """2.2 times the wave speed, so the sum is 3.2 times that of the others: at least 3, not 5."""
+        """2.2 times the wave speed, so the sum of speed and wave speed is 3.2 times that of the other particles: the
+        factor is at least 3 and below 5."""
         speed = 2.2 * WAVE
         limit, log = self.ended(options, "fast", speed)
         assert limit == {"particles": 36, "factor": 3.0}
@@ -45,7 +46,7 @@ class TestFew:
         assert line in other
 
     def test_all_alike(self, options):
-        """At 0.2 times the wave speed the flying body costs a sixth of the step: not worth a line."""
+        """At 0.2 times the wave speed the flying body reduces the step by a sixth, which is not reported."""
         limit, log = self.ended(options, "slow", 0.2 * WAVE)
         assert limit["particles"] == 0
         assert "signals  " not in log

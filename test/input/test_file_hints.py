@@ -3,7 +3,7 @@
 # cores: 2
 """Hints to the MPI library for files that several ranks write.
 
-Would catch hints that are printed and do not reach the files, hints on a local disk, a file system that is not
+Would catch hints that are printed but do not reach the files, hints on a local disk, a file system that is not
 recognised, hints of the deck that do not replace those for the file system, and results that depend on hints.
 """
 
@@ -23,8 +23,8 @@ DECK = """&run dimension = 'plane_strain' /
 &region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.3 /
 &body name = 'one'  region = 'ball'  material = 'metal'  velocity = 1 0 0 /
 """
-# Answers the first question about the file system of a folder named on_lustre with the number of Lustre. The MPI
-# library, which asks later, gets the truth, since it need not have a driver for Lustre.
+# Answers the first query for the file system of a folder named on_lustre with the number of Lustre. Later queries, by
+# the MPI library, get the true answer, because that library may have no driver for Lustre.
 PRETEND = """function statfs(path, status) bind(c, name="statfs") result(failed)
    use, intrinsic :: iso_c_binding
    implicit none
@@ -57,7 +57,7 @@ end function statfs
 
 
 def run(options, name, *words, ranks=2, **more):
-    """A run on some ranks, its output with the hints that ROMIO uses for each file."""
+    """A run on some ranks; its output, with the hints that ROMIO uses for each file."""
     made = case.Case(options, name, DECK, ranks=ranks)
     made.run(*words, env={"ROMIO_PRINT_HINTS": "1", **more})
     return made
@@ -74,7 +74,7 @@ def used(made):
 
 
 def test_hints_of_the_deck(options):
-    """They are in the log and in use; without them there is no line and the library has its defaults."""
+    """Hints of the deck are in the log and in use; without them there is no line and the library uses its defaults."""
     plain = run(options, "plain")
     assert "io hints" not in plain.output
     made = run(options, "own", "--set", "parallel.io_hints='romio_cb_write=enable; cb_buffer_size = 2097152;'")
@@ -86,17 +86,17 @@ def test_hints_of_the_deck(options):
 
 
 def test_one_rank(options):
-    """One rank writes without MPI, so there is nothing to report."""
+    """One rank writes without MPI, so no hints are reported."""
     made = run(options, "one", "--set", "parallel.io_hints='cb_nodes=1'", ranks=1)
     assert "io hints" not in made.output
 
 
 def test_lustre(options, tmp_path):
-    """Hints for Lustre are in use, those of the deck replace them, and 'none' leaves all out."""
+    """Hints for Lustre are in use, those of the deck replace them, and 'none' removes all."""
     compiler = shutil.which(os.environ.get("FC", "gfortran"))
     if not compiler:
         pytest.skip("there is no gfortran")
-    library = tmp_path / "pretend.so"                # the loader takes a blank as the end of a name
+    library = tmp_path / "pretend.so"                # the loader separates names at blanks
     source = options.work / "pretend.f90"
     source.write_text(PRETEND, encoding="utf-8")
     subprocess.run([compiler, "-shared", "-fPIC", "-o", library, source], cwd=options.work, check=True)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # timeout: 900
 # cores: 2
-"""The commands of the page of the first hour are typed one after the other, as a new user would.
+"""The commands of the page "first hour" are run one after another, as a new user would.
 
-Would catch a command of the page that does not work where the page has led to, one that ends with another exit code
-than the page says, a picture that is not made, and a restart that does not find what the interrupted run has left.
+Would catch a command that does not work after the preceding ones, one that ends with another exit code than the page
+says, a picture that is not made, and a restart that does not find the checkpoint of the interrupted run.
 """
 
 import os
@@ -25,7 +25,7 @@ MARK = "### "
 
 
 def commands():
-    """Title of the section, command and exit code of all that is typed."""
+    """Title of the section, command and exit code of all commands."""
     found, title = [], ""
     for part in re.split(r"^## (.*)$", PAGE.read_text(encoding="utf-8"), flags=re.M)[1:]:
         if "\n" not in part:
@@ -39,7 +39,7 @@ def commands():
 
 
 def script(typed):
-    """The same for one shell, which says after each what came out and when."""
+    """The same as one shell script, which prints the exit code and the time after each command."""
     lines = ["export PATH"]
     for number, (_, words, _) in enumerate(typed):
         lines += [words, f'echo "{MARK}{number} $? ${{SECONDS}}"']
@@ -47,8 +47,8 @@ def script(typed):
 
 
 def test_first_hour(options, sheet):
-    """Type, compare the exit codes, look for the pictures, tell the time of each section."""
-    # the page begins where the repository is; its first command puts the programs into the path
+    """Run the commands, compare the exit codes, check that the pictures exist, print the time of each section."""
+    # the page starts in the root of the repository; its first command adds the programs to the search path
     typed = [entry for entry in commands() if not entry[1].startswith("export PATH=")]
     sheet.require(len(typed) >= 20, f"only {len(typed)} commands were found")
     folder = options.work / "home"
@@ -61,7 +61,7 @@ def test_first_hour(options, sheet):
     (names / "scree-post").chmod(0o755)
     places = (options.scree.parent, names, Path(sys.executable).parent)
     path = os.pathsep.join([*map(str, places), os.environ["PATH"]])
-    # a page that waits for what never comes must end too
+    # a page that waits for something that never happens must end too
     answer = subprocess.run(["timeout", "850", "bash", "-c", script(typed)], cwd=folder, text=True, check=False,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             env={**os.environ, **case.OPEN_MPI, "PATH": path})

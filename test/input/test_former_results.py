@@ -2,9 +2,9 @@
 # tiers: smoke
 """Results of a run are replaced on request only.
 
-Would catch: the same command given twice that empties the history, renews snapshots or replaces checkpoints; a request
-that leaves snapshots of later times, or removes files of the user or of another case; a checkpoint of another run that
-is replaced or removed because a run goes on from a file that lies elsewhere; a check that does not say so.
+Would catch: a repeated command that empties the history or replaces snapshots or checkpoints; a request that leaves
+snapshots of later times, or removes files of the user or of another case; a checkpoint of another run that is replaced
+or removed because a restart reads a file in another folder; a check that does not report existing results.
 """
 
 import shutil
@@ -23,14 +23,14 @@ DECK = """
 &output  name='further'  kind='particles'  every=5 /
 &checkpoint  keep=0 /
 """
-# Files of the user, of a case whose name begins alike, and names that are nearly those of the run.
+# Files of the user, of a case whose name begins in the same way, and names similar to those of the run.
 OTHERS = ("bär notes.txt", "bär_p_000001.hdf.png", "bär_mine.csv", "bär_chk_x.h5", "bär_b_history.csv",
           "bär_b_p_000001.hdf", "bär_b.summary.json", "bär_p_1.hdf", "bär2.log")
 WAYS = ("--restart", "--overwrite", "--outdir")
 
 
 def contents(folder):
-    """Files of a folder with their bytes."""
+    """Files of a folder with their contents."""
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
@@ -38,13 +38,14 @@ class TestFormerResults:
     """Two runs into one folder."""
 
     def run_of(self, options, folder="a folder", **how):
-        """A run that has ended, in a folder with a blank and a name with an umlaut."""
+        """A finished run, in a folder with a blank and with an umlaut in its name."""
         run = case.Case(options, folder, DECK, **how)
         run.name, run.guarded = "bär", True
         return run.run("--quiet")
 
     def test_nothing_is_lost(self, options):
-        """The same command again, with one rank and two: exit code 3, the ways on, and no file has changed."""
+        """The same command again, with one rank and two: exit code 3, the options of the user, and no file has
+        changed."""
         run = self.run_of(options)
         before = contents(run.folder)
         assert "bär_further_p_000004.hdf" in before
@@ -64,7 +65,8 @@ class TestFormerResults:
         run.run("--quiet", "--restart", "--overwrite", expect=2)
 
     def test_each_file_counts(self, options, sheet):
-        """A table, a snapshot or a checkpoint alone are results; a log and an echo are what a faulty start leaves."""
+        """A single table, snapshot or checkpoint counts as a result; a log and an echo do not, because a failed start
+        leaves them."""
         run = self.run_of(options, "one left")
         kept = contents(run.folder)
         for names, code in ((["bär_history.csv"], 3), (["bär_p_000000.hdf"], 3), (["bär_chk_0001.h5"], 3),
@@ -80,7 +82,7 @@ class TestFormerResults:
                 assert ("--restart" in run.output) == ("bär_chk_0001.h5" in names), run.output
 
     def test_overwrite(self, options):
-        """All files of the former run go, those of streams that this run lacks too, and nothing else."""
+        """All files of the previous run are removed, also those of streams that this run lacks, and no other files."""
         run = self.run_of(options, "replaced")
         former = set(contents(run.folder))
         for name in OTHERS:
@@ -102,7 +104,7 @@ class TestFormerResults:
         assert run.summary["steps"] == 5
 
     def test_checkpoint_of_another_run(self, options):
-        """A run that goes on from a file elsewhere spares the results that are there, and their checkpoints."""
+        """A restart from a file in another folder keeps the existing results and their checkpoints."""
         first, second = self.run_of(options, "first"), self.run_of(options, "second")
         file = options.work / "elsewhere.h5"
         shutil.copyfile(first.path("_chk_0001.h5"), file)
@@ -116,7 +118,8 @@ class TestFormerResults:
         assert branch.summary["steps"] == 30
 
     def test_older_checkpoint(self, options):
-        """A run that goes on from an older file of its own leaves the later ones, and is the newest of them."""
+        """A restart from an older checkpoint of the same run keeps the later ones, and its own checkpoint becomes the
+        newest."""
         run = self.run_of(options, "older")
         run.run("--quiet", "--restart", "--set", "time.max_steps=30")
         before = {path.name: path.read_bytes() for path in run.folder.glob("*.h5")}

@@ -5,10 +5,10 @@
 # cores: 2
 """Input files with random damage: a deck that names them is accepted, or refused with a message.
 
-Would catch a crash, a hang, a size in a file that is believed, and a file that is refused without a message: facets
-(text, binary), voxels (MetaImage, HDF5), points (text, snapshot), tables of gravity, motion and states, and
-checkpoints. The tier long repeats this, and the damage to decks, in a build with sanitizers, which find a read or a
-write beyond an array that does no harm otherwise.
+Would catch a crash, a hang, a size in a file that is trusted without a check, and a file that is refused without a
+message: facets (text, binary), voxels (MetaImage, HDF5), points (text, snapshot), tables of gravity, motion and states,
+and checkpoints. The tier long repeats this, and the damage to decks, in a build with sanitizers, which find reads and
+writes beyond an array that otherwise have no effect.
 """
 
 import collections
@@ -24,7 +24,7 @@ import fuzzing
 import tier
 
 COUNT = tier.choose(smoke=140, full=350, long=10000)
-FILES = tier.choose(smoke=16, full=100, long=600)          # of HDF5, one process each
+FILES = tier.choose(smoke=16, full=100, long=600)          # HDF5 files, one process each
 DECKS = 4000                                               # with sanitizers
 SEED = 7
 CHECKPOINT = """
@@ -61,7 +61,7 @@ def programs(file_options):
 
 
 def test_files_of_a_deck(options, programs):
-    """Would catch damage to text and binary files that is not met with a message; and damage that does nothing."""
+    """Would catch damage to text and binary files that is not reported; and damage without any effect."""
     paths = fuzzed.write_all(options.work / "whole")
     code, output, refused = fuzzed.fuzz(programs / "fuzz_files", options.work / "damaged", paths, 1, COUNT, 3000)
     assert code == 0, output[-4000:]
@@ -70,7 +70,7 @@ def test_files_of_a_deck(options, programs):
 
 
 def read_damaged(program, deck):
-    """Exit code and output of `--check`; a run that does not end has the code of its signal."""
+    """Exit code and output of `--check`; a run that is killed by a signal has the code of the signal."""
     try:
         answer = subprocess.run([program, "--check", "--no-estimate", deck], stdout=subprocess.PIPE, timeout=60,
                                 stderr=subprocess.STDOUT, check=False, env=fuzzed.ENVIRONMENT)
@@ -80,8 +80,8 @@ def read_damaged(program, deck):
 
 
 def is_fault_of_hdf5(code, said):
-    """True if a run ended within the library of HDF5. Version 1.10 follows damaged extents and addresses without a
-    check (2 or 3 of 1500 files); only sanitizers show where a run ended, so other builds may have 1 in 50."""
+    """True if a run ended within the HDF5 library. Version 1.10 uses damaged extents and addresses without a check (2
+    or 3 of 1500 files). Only sanitizers show where a run ended, so with other builds 1 in 50 is accepted."""
     if tier.NAME != "long":
         return code < 0
     frames = re.findall(r"^ *#\d+ .*", said, re.M)
@@ -90,7 +90,8 @@ def is_fault_of_hdf5(code, said):
 
 
 def test_hdf5_files(options, programs):
-    """Would catch extents of a damaged file for which memory is asked without a look, and types that are believed."""
+    """Would catch extents of a damaged file for which memory is allocated without a check, and types that are not
+    checked."""
     deck, *files = fuzzed.write_hdf5(options, options.work / "whole")
     chance = random.Random(SEED)
     codes = collections.Counter()
@@ -111,7 +112,7 @@ def test_hdf5_files(options, programs):
 
 
 def test_checkpoints(options, programs):
-    """Would catch a damaged checkpoint that is taken for a whole one."""
+    """Would catch a damaged checkpoint that is accepted."""
     run = case.Case(options, "state", CHECKPOINT).run("-q")
     path = sorted(run.folder.glob("*_chk_*.h5"))[-1]
     whole, chance = path.read_bytes(), random.Random(SEED)
@@ -125,7 +126,8 @@ def test_checkpoints(options, programs):
 
 @pytest.mark.tiers("long")
 def test_decks_with_sanitizers(options, programs):
-    """Would catch a reader of decks that reads beyond the end of a text; without sanitizers see test_fuzz_deck."""
+    """Would catch a reader of decks that reads beyond the end of a text; see test_fuzz_deck for the same without
+    sanitizers."""
     code, output = fuzzing.fuzz(options, 1, DECKS, 3000, programs / "fuzz_decks")
     assert code == 0, output[-4000:]
     assert fuzzing.counts(output)[0] == DECKS

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The page with geometry step by step is typed as it stands: its files are written and its commands run.
+"""The page "geometry step by step" is run as written: its files are written and its commands run.
 
-Would catch a deck or a command of the page that does not work, and a slope that does not stay where its stress
-holds it.
+Would catch a deck or a command of the page that does not work, and a slope that moves although its initial stress
+should keep it in equilibrium.
 """
 
 import os
@@ -19,7 +19,7 @@ BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
 
 
 class TestPage:
-    """Blocks from the top of the page to its end."""
+    """The blocks of the page in their order."""
 
     def test_the_page(self, options):
         folder = options.work / "geometry"
@@ -37,7 +37,7 @@ class TestPage:
                 words = line.removeprefix("$ ").split()
                 words[0] = {"scree": str(options.scree), "python": sys.executable}[words[0]]
                 if "--check" in words:
-                    words.append("--no-estimate")    # how long a run takes is not on the page
+                    words.append("--no-estimate")    # the page does not show the run time
                 answer = subprocess.run(words, cwd=folder, env=environment, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT, text=True, timeout=200)
                 assert answer.returncode == 0, f"{line}\n{answer.stdout[-3000:]}"
@@ -50,7 +50,7 @@ class TestPage:
         last = tools.snapshot(str(folder / "out/slope/slope_p_000001.hdf"))
         assert abs(first.fields["mass"].sum() - last.fields["mass"].sum()) <= 0.5e-6
         assert abs(first.fields["volume"].sum() / 60 - 1) < 0.002
-        # falling freely it would have 0.5 m/s
+        # in free fall its speed would be 0.5 m/s
         assert abs(last.fields["velocity"][:, 2]).max() < 0.1
         grains = tools.snapshot(str(sorted((folder / "out/grains").glob("grains_p_*.hdf"))[0]))
         assert len(grains.points) == 200

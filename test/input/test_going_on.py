@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A run that begins with a snapshot follows the run that wrote it, as it is or scaled and turned.
+"""A run that starts from a snapshot follows the run that wrote it, unchanged or scaled and rotated.
 
-Would catch a first step that misses half a kick, a first step of another length, fields that are lost on the way, and
-vectors and tensors that are not turned, or scaled, with the places.
+Would catch a first step in which the forces act for half a step too little, a first step of another length, fields that
+are lost, and vectors and tensors that are not rotated or scaled with the positions.
 """
 
 import numpy as np
@@ -32,7 +32,7 @@ QUANTITIES = ("points", "velocity", "stress", "volume")
 
 
 def table(snapshot, origin=None):
-    """Values by quantity, in the order of identities, or of those of the rows that they come from."""
+    """Values by quantity, in the order of identities, or in that of the rows from which they were read."""
     identity = snapshot.fields["identity"]
     if origin is not None:
         identity = origin.fields["identity"][identity - 1]
@@ -44,12 +44,13 @@ class TestGoingOn:
     """Pairs of runs."""
 
     def run_of(self, options, name, steps, **scene):
-        """A run with a snapshot every half of its steps."""
+        """A run with a snapshot after each half of its steps."""
         run = case.Case(options, name, DECK.format(steps=steps, **{**SCENE, "every": 30, **scene}))
         return run.run("--quiet")
 
     def pair(self, options, first, placing="", **second):
-        """A run of 60 steps, and one that begins with its half: the whole, its half, and the rest."""
+        """A run of 60 steps, and one that starts from its state after half of them: end of the whole run, its half, and
+        end of the second run."""
         whole = self.run_of(options, "whole", 60, **first)
         shape = f"shape = 'points'  file = '{whole.path('_p_000001.hdf')}'  {placing}"
         body = "packing = 'file'  initial_stress = 'file'"
@@ -66,7 +67,7 @@ class TestGoingOn:
         return result
 
     def follows(self, pair, limit):
-        """The end of the rest is that of the whole, to a limit, and much has happened since the half."""
+        """The second run ends as the whole run within a limit, and the state has changed much since the half."""
         whole, half, rest, _ = pair
         found, wanted = table(rest, half), table(whole)
         for name, difference in self.difference(found, wanted).items():
@@ -74,14 +75,14 @@ class TestGoingOn:
         before = table(half)
         assert self.difference(before, wanted)["velocity"] > 1e-3
         assert self.difference(before, wanted)["stress"] > 1e-2
-        # the first half step alone would be far beyond the limit
+        # an error of half a step of force would be far above the limit
         assert (
             abs(rest.provenance["time"] - (whole.provenance["time"] - half.provenance["time"]))
             <= limit * whole.provenance["time"]
         )
 
     def test_methods(self, options, sheet):
-        """To rounding with each order of update; the step grows in between, so steps differ in length."""
+        """To rounding with each order of update; the step length changes, so the length of the first step matters."""
         for method in ("ddmp", "mpm"):
             for update in ("usl", "usf", "musl"):
                 if (method, update) == ("mpm", "usl"):
@@ -96,11 +97,11 @@ class TestGoingOn:
         self.follows(self.pair(options, {"more": "&method paper = .true. /\n" + FALL}), 1e-12)
 
     def test_precision(self, options):
-        """Fields in single precision: to that."""
+        """Fields in single precision: agreement to single precision."""
         self.follows(self.pair(options, {"precision": "single"}), 1e-5)
 
     def test_matter(self, options):
-        """Matter with energy, temperature, plastic strain and damage; large deformation without another law."""
+        """Material with energy, temperature, plastic strain and damage; large deformation with another law."""
         hot = {"material": ALUMINIUM, "more": HEAT + "&boundary face = 'zlo'  type = 'slip' /\n",
                "body": "velocity = 0 0 -900  temperature = 300"}
         pair = self.pair(options, hot)
@@ -113,8 +114,8 @@ class TestGoingOn:
         self.follows(self.pair(options, {"material": rubber}), 1e-12)
 
     def test_turned(self, options, sheet):
-        """Turned by a right angle, moved by cells, and twice as large in twice the cells and time, it goes the same
-        way: vectors, tensors, boxes and times go along."""
+        """Rotated by a right angle, translated by cells, and twice as large with cells and times twice as large, the
+        run is the same: vectors, tensors, boxes and times are transformed."""
         ball = {"shape": "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.3", "more": "",
                 "body": "velocity = 1 2 -30  spin = 20 30 500"}
         turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])          # 90 degrees about z
@@ -140,7 +141,7 @@ class TestGoingOn:
                 assert abs(2 * (whole.provenance["time"] - half.provenance["time"]) - rest.provenance["time"]) <= 1e-12
 
     def test_turned_fields(self, options):
-        """Any angles: each field as it is turned by matrices here; all in the order x, y, z of the angles."""
+        """Any angles: each field against its rotation by matrices in this test, in the order x, y, z of the angles."""
         law = "density = 1000  bulk = 1e9  shear = 5e8  strength_model = 'neo_hookean'"
         angles = np.radians([20, -35, 50])
         turn = np.eye(3)
@@ -172,10 +173,10 @@ class TestGoingOn:
             wanted["stress"] = np.column_stack([full[:, i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2),
                                                                            (0, 2))])
             for name, factor in (("deformation_gradient", 1), ("affine", 1 / 1.5)):
-                if name in old:         # columns of the matrix one after the other
+                if name in old:         # columns of the matrix one after another
                     full = turn @ old[name].reshape(-1, 3, 3).transpose(0, 2, 1) @ turn.T
                     wanted[name] = factor * full.transpose(0, 2, 1).reshape(-1, 9)
-            if "domain" in old:         # an edge after the other
+            if "domain" in old:         # edges one after another
                 wanted["domain"] = 1.5 * (old["domain"].reshape(-1, 3, 3) @ turn.T).reshape(-1, 9)
             assert ("spin" if not how else "domain") in wanted
             for name, values in wanted.items():
@@ -183,8 +184,8 @@ class TestGoingOn:
             assert np.abs(old["stress"][:, 3:]).max() > 1e3
 
     def test_plane_and_rings(self, options):
-        """In a plane points turn within it and masses grow with the square, as its depth stays; rings grow with the
-        cube."""
+        """In a plane scene points are rotated within the plane and masses grow with the square of the factor, because
+        the depth is constant; masses of rings grow with the cube."""
         for dimension, placing, power in (("plane_strain", "scale = 2  rotate = 0 90 0  translate = 0 0 2", 2),
                                           ("axisymmetric", "scale = 2", 3)):
             first = {"dimension": dimension, "more": "", "body": "velocity = 1 0 -30  spin = 0 500 0",
@@ -208,7 +209,8 @@ class TestGoingOn:
                 assert difference < 1e-10, f"{dimension} {quantity}"
 
     def test_told(self, options):
-        """What cannot be turned, or is off, is told; a factor goes with times of the first step."""
+        """Fields that cannot be rotated, and an effect that is off, are reported; times of the first step are
+        multiplied by the factor."""
         boxes = {"method": "method = 'mpm'", "more": "&method basis = 'gimp' /", "body": "velocity = 0 0 -30"}
         half = self.run_of(options, "half", 30, **boxes)
         file = half.path("_p_000001.hdf")

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A deck of grains with the fields that grains are looked at by, and the meaning of these fields.
+"""A granular deck with the usual output fields for grains, and the meaning of these fields.
 
-Would catch a deck of this kind that is refused: grains without an equation of state, cohesion of 0, mirrors at both
-sides of a plane scene; a column that does not come to rest or runs out like a fluid or not at all; a surface that is
-a middle of particles, a velocity that is a speed or a plain mean, an inertial number of another rate or pressure,
-strain that is of shear and not equivalent, a run-out that a single grain decides, and columns without being asked.
+Would catch a deck of this kind that is refused: grains without an equation of state, cohesion of 0, mirror planes at
+both sides of a plane scene; a column that does not come to rest, spreads like a fluid, or does not spread; a surface
+height that is a mean over particles, a velocity that is a speed or an unweighted mean, an inertial number with another
+rate or pressure, strain that is a shear strain and not the equivalent one, a run-out that a single grain determines,
+and columns that were not requested.
 """
 
 import re
@@ -106,7 +107,7 @@ def columns(run, ending):
 
 
 class TestColumn:
-    """The deck as it stands, and its run on coarser and softer cells, which ends at rest."""
+    """The deck as provided, and its run with coarser and softer cells, which ends at rest."""
 
     @pytest.fixture(autouse=True, scope="class")
     @classmethod
@@ -135,7 +136,8 @@ class TestColumn:
         assert sorted(fields) == ["equivalent_strain", "inertial_number", "pressure", "velocity"]
 
     def test_rest(self):
-        """It stops at rest, having run out as columns of grains do, and books what it lost."""
+        """The column comes to rest with a run-out as measured for columns of grains, and its energy loss is
+        recorded."""
         assert "kinetic energy below" in self.run_.summary["reason"]
         assert self.run_.summary["time"] > 0.2
         history = table(self.run_, "_history.csv")
@@ -153,7 +155,7 @@ class TestColumn:
         assert history["dissipated"][-1] > 0.5 * (history["potential"][0] - history["potential"][-1])
 
     def test_profile(self):
-        """The surface falls outwards at the end, and the front moved with the velocity of its depth."""
+        """At the end the surface descends outwards, and the front moved with the mean velocity over its depth."""
         profile = table(self.run_)
         last = profile["time"] == profile["time"].max()
         height = profile["surface_height"][last]
@@ -166,7 +168,7 @@ class TestColumn:
         assert profile["depth_mean_velocity"][middle].max() > 0.2
 
     def test_strain(self):
-        """What slid is strained by more than 1, the core hardly; nothing flows at the end."""
+        """Material that has slid is strained by more than 1, the core hardly; nothing flows at the end."""
         snapshot = self.run_.snapshots()[-1][1]
         strain, number = snapshot.fields["equivalent_strain"], snapshot.fields["inertial_number"]
         assert strain.max() > 1.0
@@ -187,7 +189,7 @@ class TestColumn:
 
 
 class TestMeaning:
-    """Fields of scenes whose values are known."""
+    """Fields of scenes with known values."""
 
     def block(self, options, name, expect=0, flags=("--quiet",), **words):
         words = {"dimension": "3d", "steps": 0, "gravity": ".false.", "low": "0 0 0", "high": "0 0 0", "more": "",
@@ -195,7 +197,8 @@ class TestMeaning:
         return case.Case(options, name, BLOCK.format(**words)).run(*flags, expect=expect)
 
     def test_surface(self, options, sheet):
-        """Blocks of 1 m and 2.5 m whose feet are at 1.5 m; where there is none, the floor at 1 m."""
+        """Blocks of 1 m and 2.5 m whose lower ends are at 1.5 m; without material the height is that of the floor, 1
+        m."""
         for dimension in ("3d", "plane_strain", "axisymmetric"):
             with sheet.part(dimension):
                 run = self.block(options, "surface_" + dimension, dimension=dimension)
@@ -206,11 +209,12 @@ class TestMeaning:
     def test_ends(self, options):
         history = table(self.block(options, "ends"), "_history.csv")
         assert [history[name][0] for name in ("tail_x", "front_x", "tail_z", "front_z")] == [1.125, 2.875, 1.625, 3.875]
-        # 99 % of 3.5 m2 lie left of 3 m less 1 % of it over the height of 2.5 m
+        # 99 % of 3.5 m2 is on the left of 3 m minus 1 % of it over the height of 2.5 m
         assert abs(history["runout"][0] - (3.0 - 0.035 / 2.5)) <= 1e-12
 
     def test_velocity(self, options):
-        """A block that moves has its velocity along the axis, not its speed, and a bin of two their mean by mass."""
+        """A moving block has its velocity along the axis, not its speed, and a bin with two blocks their mean by
+        mass."""
         run = self.block(options, "velocity", low="3 0 -1", high="-0.5 0 2", steps=1)
         profile = table(run)
         mean = profile["depth_mean_velocity"]
@@ -234,7 +238,7 @@ class TestMeaning:
         assert "surface_height is a height along z" in run.output
 
     def test_inertial_number(self, options):
-        """Steady flow down 24 degrees has the same number at all depths, whatever the pressure."""
+        """Steady flow down a slope of 24 degrees has the same inertial number at all depths, at any pressure."""
         slope, layers, height, cell = np.radians(24.0), 20, 0.01, 0.001
         tangent = np.tan(slope)
         wanted = flows.I0 * (tangent - flows.MU_S) / (flows.MU_2 - tangent)
@@ -260,17 +264,18 @@ class TestMeaning:
         shear = np.gradient(profile["velocity_x"][last], cell)[1:8]
         formula = shear * flows.DIAMETER * np.sqrt(flows.GRAIN_DENSITY / profile["pressure"][last][1:8])
         assert np.abs(number / formula - 1.0).max() < 0.01
-        # and the strain is that of the velocity at the start, as the flow hardly changes
+        # the strain is that of the initial velocity, because the flow hardly changes
         rate = np.gradient(profile["velocity_x"][first], cell)[1:8]
         strain = profile["equivalent_strain"][last][1:8]
         assert np.abs(strain / (0.1 * rate / np.sqrt(3.0)) - 1.0).max() < 0.05
 
 
 class TestWithout:
-    """Grains without an equation of state are those of the linear one, and faces across a plane scene."""
+    """Grains without an equation of state behave as with the linear one; boundaries across a plane scene."""
 
     def test_same_bits(self, options):
-        """Would catch another pressure than the linear one, and a cohesion of 0 that is one."""
+        """Would catch another pressure than that of the linear equation of state, and a cohesion of 0 that has an
+        effect."""
         short = ("--quiet", *SMALL, "--set", "time.t_end=0.05")
         off = case.Case(options, "off", DECK).run(*short)
         linear = case.Case(options, "linear", DECK.replace("eos = .false.", "eos = .true.").replace(
@@ -280,7 +285,7 @@ class TestWithout:
         assert "eos" not in off.summary["timers"]
 
     def test_cohesion(self, options):
-        """A cohesion of half its weight over the height lets the column stand."""
+        """With a cohesion of half its weight over the height the column does not collapse."""
         run = case.Case(options, "stands", DECK).run(*COARSE, "--set", "material.cohesion=800",
                                                      "--set", "time.t_end=0.12")
         assert table(run, "_history.csv")["runout"][-1] < 0.055

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Gravity with a table of time: impulse and work are those of the straight lines of the table.
+"""Gravity from a table of time: impulse and work are those of the piecewise linear function of the table.
 
-Would catch gravity that is taken at the begin of a step or at one of its ends, a table in wrong units, impulse or work
-that the balance does not know, a restart that goes on with another gravity, and bits that depend on ranks.
+Would catch gravity that is evaluated at the start of a step or at one of its ends, a table in wrong units, impulse or
+work that the balance does not record, a restart that continues with another gravity, and bits that depend on ranks.
 """
 
 import numpy as np
 
 import case
 
-# times, gx and gz; steps fall on none of the corners
+# times, gx and gz; no step ends at one of these times
 TABLE = np.array([[0.0, 0.0, 0.0], [0.1, 30.0, 4.0], [0.17, -20.0, 4.0], [0.31, 5.0, -8.0]])
 DECK = """&run dimension = 'plane_strain'  {method} /
 &units system = '{units}' /
@@ -25,8 +25,8 @@ DECK = """&run dimension = 'plane_strain'  {method} /
 
 
 def velocity(time):
-    """Of a free body: the integral of the straight lines, which are constant beyond the ends. In the output velocities
-    are half a step behind the time (leapfrog)."""
+    """Velocity of a free body: the integral of the piecewise linear function, which is constant beyond its ends. In the
+    output velocities are half a step behind the time (leapfrog)."""
     knots = np.unique(np.concatenate([TABLE[:, 0], time]))
     found = []
     for column, steady, start in ((1, 1.0, 0.5), (2, -2.0, 0.0)):
@@ -40,17 +40,17 @@ class TestGravity:
     """A free block in a box."""
 
     def run_of(self, options, name, *flags, ranks=1, expect=0, table=None, keep=False, **scene):
-        """A run beside its table."""
+        """A run in the folder of its table."""
         scene = {"method": "", "units": "si", "more": "", "file": "g.csv", **scene}
         run = case.Case(options, name, DECK.format(**scene), ranks, keep=keep)
-        # a second in ms, and a metre a second squared in mm a ms squared
+        # a second in ms, and a metre per second squared in mm/ms2
         second, unit = (1e3, 1e-3) if scene["units"] == "mm-ms-kg" else (1.0, 1.0)
         rows = [f"{second * t!r}, {unit * x!r}, {table or 0}, {unit * z!r}" for t, x, z in TABLE.tolist()]
         (run.folder / "g.csv").write_text("t, gx, gy, gz\n" + "\n".join(rows) + "\n", encoding="utf-8")
         return run.run("--quiet", *flags, expect=expect)
 
     def test_impulse_and_work(self, options, sheet):
-        """Momentum is that of the integral to rounding, and the balance closes."""
+        """Momentum is that of the integral to rounding, and the balances close."""
         for method in ("method = 'ddmp'", "/\n&method transfer = 'apic'"):
             with sheet.part(method):
                 history = self.run_of(options, "free", method=method).history
@@ -78,7 +78,7 @@ class TestGravity:
         assert whole.summary["digest"] == parts.summary["digest"]
 
     def test_faults(self, options):
-        """A table that is not there, or pushes along a direction that the scene lacks."""
+        """A table that does not exist, or that acts along a direction that the scene lacks."""
         assert "cannot " in self.run_of(options, "none", file="h.csv", expect=2).output
         told = self.run_of(options, "across", table=1.0, expect=2).output
         assert "the table must be 0 in y, as the scene does not have this direction" in told

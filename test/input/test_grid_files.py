@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """VTK, and so ParaView, reads files of fields on the grid number by number, in one to three dimensions.
 
-Would catch extents, an order of axes or a type that readers take for another, and images without thickness, which
-older readers cannot bear.
+Would catch extents, an order of axes or a type that readers interpret differently, and images without thickness, which
+older readers do not accept.
 """
 
 import subprocess
@@ -26,7 +26,7 @@ class TestGridFiles:
     """Runs of a few steps."""
 
     def test_all_dimensions(self, options, sheet):
-        """The last one has a single layer of cells across z."""
+        """The last scene has a single layer of cells across z."""
         for name, dimension, y, low in [("box", "3d", 1, 0.25), ("plane", "plane_strain", 0.5, 0.25),
                                         ("ring", "axisymmetric", 0, 0.25), ("bar", "1d", 0.1, 0.25),
                                         ("sheet", "3d", 1, 0.4375)]:
@@ -44,7 +44,7 @@ class TestGridFiles:
                 assert "3 grids" in answer.stdout
 
     def test_refused_sizes(self, options):
-        """Would catch a grid that fills a disk unasked: more than 1e9 cells need --force or a region."""
+        """Would catch a grid that fills a disk without a request: more than 1e9 cells need --force or a region."""
         big = DECK.format(dimension="3d", y=1, low=0.25, precision="single", speed=0).replace(
             "dx = 0.0625", "dx = 0.0009765625").replace("hi = 0.75 0.5 0.5", "hi = 0.13 0.26 0.26")
         run = case.Case(options, "big", big).run("--check", expect=2)

@@ -2,9 +2,9 @@
 # tiers: smoke
 """An installation: programs, scenes, man pages and completion, in a folder with a blank and an umlaut in its name.
 
-Would catch: a file that is not installed, a program that needs the tree it was built in, a man page that man cannot
-read, a completion that lacks an option of `scree --help` or completes nothing, and a man page or a completion that was
-not renewed with the help.
+Would catch: a file that is not installed, a program that needs its build tree, a man page that man cannot read, a
+completion that lacks an option of `scree --help` or completes nothing, and a man page or a completion that was not
+regenerated after a change of the help.
 """
 
 import os
@@ -52,14 +52,14 @@ end program user
 
 
 def run(*words, folder="/"):
-    """Exit code, output and errors of a call from a folder."""
+    """Exit code, output and errors of a call from a given folder."""
     answer = subprocess.run([str(word) for word in words], cwd=folder, text=True, timeout=200, check=False,
                             capture_output=True, env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"})
     return answer.returncode, answer.stdout, answer.stderr
 
 
 def completed(prefix, *words, folder="/", command="scree"):
-    """What bash offers for the last word of a line."""
+    """Completions that bash offers for the last word of a line."""
     code, said, wrong = run("bash", "-c", ASK, "bash", prefix, command, prefix / "bin" / command, *words, folder=folder)
     if code or wrong:
         raise AssertionError(f"{words}: {code} {wrong}")
@@ -68,7 +68,7 @@ def completed(prefix, *words, folder="/", command="scree"):
 
 @pytest.fixture(scope="module")
 def prefix(file_options):
-    """Where the program is installed."""
+    """Folder in which the program is installed."""
     build, place = file_options.scree.parents[1], file_options.work / "opt scree ü"
     if not (build / "cmake_install.cmake").is_file():
         pytest.skip("there is no build tree around the program")
@@ -83,7 +83,7 @@ class TestInstall:
     """One installation for all tests."""
 
     def test_program(self, options, prefix):
-        """Would catch a program that works only where it was built, and one that copies folders of an example as files:
+        """Would catch a program that works only in its build tree, and one that copies folders of an example as files:
         packages compile the Python files of an installation."""
         (prefix / "share/scree/input/two_discs/__pycache__").mkdir()
         folder = options.work / "eine Rechnung ü"
@@ -101,7 +101,8 @@ class TestInstall:
         assert (folder / "discs/out/two_discs/two_discs_p.hdf.series").is_file()
 
     def test_speed(self, options, prefix):
-        """Would catch a scree-bench that is not installed, or without its package, its copy of memory or scree."""
+        """Would catch a scree-bench that is not installed, or is installed without its package, its memory benchmark or
+        scree."""
         folder = options.work / "speed ü"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
@@ -119,7 +120,7 @@ class TestInstall:
         assert "no program memory_copy beside" in wrong
 
     def test_speed_page_and_completion(self, prefix):
-        """Would catch an option of scree-bench that its man page or its completion lacks."""
+        """Would catch an option of scree-bench that is missing in its man page or its completion."""
         code, said, _ = run(prefix / "bin/scree-bench", "--help")
         assert code == 0
         known = set(re.findall(r"^  (?:-\w, )?(--[a-z]+)", said, re.M))
@@ -156,7 +157,7 @@ class TestInstall:
         assert (code, said) == (0, "64\n"), wrong
         assert not [path for path in (prefix / "lib/cmake/scree").iterdir()
                     if str(case.ROOT) in path.read_text(encoding="utf-8")]
-        # the name with a capital is the same package
+        # the package name with a capital letter is the same package
         (folder / "CMakeLists.txt").write_text(USER_LISTS.replace("(scree 0.1", "(Scree 0.1"), encoding="utf-8")
         code, said, wrong = run(*call[:3], "-B", folder / "build capital", *call[5:])
         assert code == 0, said + wrong
@@ -167,7 +168,7 @@ class TestInstall:
         assert re.search("its modules were made by (gfortran|flang) [0-9]", " ".join(wrong.split()))
 
     def test_man_page(self, prefix):
-        """Would catch a page that is missing, that man complains of, or that lacks an option."""
+        """Would catch a missing man page, one with errors reported by man, or one that lacks an option."""
         page = prefix / "share/man/man1/scree.1"
         text = page.read_text(encoding="utf-8").replace("\\-", "-")
         for option in self.options(prefix):
@@ -188,7 +189,7 @@ class TestInstall:
         return found
 
     def test_completion_knows_all_options(self, prefix):
-        """Would catch an option that was added to the program and not to its completion."""
+        """Would catch an option that was added to the program but not to its completion."""
         known = self.options(prefix)
         assert completed(prefix, "-") == known
         zsh = (prefix / "share/zsh/site-functions/_scree").read_text(encoding="utf-8")
@@ -214,8 +215,9 @@ class TestInstall:
         assert completed(prefix, "--case", "") == set()
 
     def test_hdf5_of_the_mpi(self, request):
-        """Would catch an HDF5 of Open MPI beside MPICH: of two wrappers in a folder the wrong one, or no complaint."""
-        # what a wrapper shows cannot hold folders with blanks
+        """Would catch an HDF5 built for Open MPI that is used with MPICH: the wrong one of two wrappers in a folder, or
+        no error message."""
+        # the output of a wrapper cannot contain folders with blanks
         folder = Path(tempfile.mkdtemp(prefix="scree_hdf5_"))
         request.addfinalizer(lambda: shutil.rmtree(folder))
         (folder / "bin").mkdir()
@@ -246,7 +248,7 @@ class TestInstall:
         assert re.search("HDF5 and MPI do not fit: .* -DSCREE_H5PFC=", " ".join(wrong.split()))
 
     def test_build_without_tests(self, options):
-        """Would catch --no-tests that builds the tests all the same, or a wrong word that goes to CMake."""
+        """Would catch --no-tests that still builds the tests, or an invalid option that is passed to CMake."""
         folder = options.work / "clone ü"
         shutil.rmtree(folder, ignore_errors=True)
         (folder / "bin").mkdir(parents=True)

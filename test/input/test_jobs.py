@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scripts of `--job`, run with stand-ins for the commands of schedulers, which this machine need not have.
+"""Job scripts of `--job`, run with substitutes for the commands of schedulers, which need not be installed.
 
-Would catch a script that the shell cannot read, loses an option or a quote, does not put the job into the queue when
-the run asks for it, does so for any other reason, loses an exit code, or begins anew where it should go on; a signal
-that ends the script in place of the run; and memory that does not follow the particles.
+Would catch a script that the shell cannot read, that loses an option or a quote, does not resubmit the job when the run
+requests it, resubmits it for any other reason, loses an exit code, or starts from the beginning where it should
+restart; a signal that ends the script instead of the run; and a memory request that does not depend on the number of
+particles.
 """
 
 import os
@@ -38,7 +39,7 @@ while [[ "$1" != /* ]]; do shift; done
 echo $$ > launcher
 exec mpiexec -n "${ranks}" "$@"
 """
-# LSF runs a job again whose exit code is one of -Q, in the order of arrival.
+# LSF requeues a job whose exit code is one of those of -Q, in the order of arrival.
 BSUB = """#!/bin/bash
 again="$(sed -n 's/^#BSUB -Q //p' "$1")"
 while true; do
@@ -49,7 +50,7 @@ while true; do
 done
 """
 CALL = '#!/bin/bash\necho "{0} $*" >> calls\n'
-# In place of whatever starts the ranks: the next of some exit codes.
+# Substitute for the launcher of the ranks: returns the next of a list of exit codes.
 CODES = """#!/bin/bash
 if [ "$1" = --mpi=list ]; then echo pmix; exit; fi
 if [ "$1" = --parent ]; then echo "{0} $*" >> calls; exit; fi
@@ -57,11 +58,11 @@ read -r code < codes
 sed -i 1d codes
 exit "${{code}}"
 """
-SOON, LATE = 30, 100000     # seconds: less and more than the program keeps in reserve
+SOON, LATE = 30, 100000     # seconds: less and more than the reserve of the program
 
 
 class TestJobs:
-    """Each test has a folder of its own."""
+    """Each test has a separate folder."""
 
     @pytest.fixture(autouse=True)
     def made(self, options):
@@ -73,19 +74,19 @@ class TestJobs:
         (self.folder / "my deck.nml").write_text(DECK, encoding="utf-8")
 
     def stand_in(self, name, text):
-        """A command in place of that of a scheduler or of MPI."""
+        """A substitute for a command of a scheduler or of MPI."""
         path = self.folder / "bin" / name
         path.write_text(text, encoding="utf-8")
         path.chmod(0o755)
 
     @property
     def environment(self):
-        """With the stand-ins before all other commands."""
+        """The environment with the substitutes before all other commands."""
         return {**os.environ, **case.OPEN_MPI, "PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}",
                 "PBS_O_WORKDIR": str(self.folder), "SLURM_JOB_ID": "4711"}
 
     def script(self, options, *words, expect=0):
-        """The script for some words of the command line, or what is said of them."""
+        """The script for some options of the command line, or the error message about them."""
         answer = subprocess.run([options.scree, *words, "my deck.nml"], cwd=self.folder, text=True,
                                 capture_output=True)
         assert answer.returncode == expect, answer.stderr
@@ -97,7 +98,7 @@ class TestJobs:
         return answer.stdout
 
     def execute(self, seconds, ranks):
-        """Exit code of the script in a job that ends so many seconds from now, and the calls of stand-ins."""
+        """Exit code of the script in a job that ends in a given number of seconds, and the calls of the substitutes."""
         (self.folder / "calls").write_text("", encoding="utf-8")
         answer = subprocess.run(
             ["bash", "job.sh"], cwd=self.folder, text=True, capture_output=True, timeout=250,
@@ -110,7 +111,7 @@ class TestJobs:
         return case.json.loads((self.folder / outdir / "block.summary.json").read_text(encoding="utf-8"))
 
     def test_slurm_comes_back(self, options):
-        """A job whose time is over is put into the queue again, goes on, ends, and is not put there then."""
+        """A job whose time is over is resubmitted, restarts, ends, and is not resubmitted again."""
         text = self.script(options, "--job", "slurm", "--ranks", "2", "--threads", "1", "--outdir", "re sults",
                            "--set", "run.title='it is \"so\"'")
         assert "#SBATCH --ntasks=2\n" in text
@@ -130,13 +131,13 @@ class TestJobs:
         assert self.summary("re sults")["digest"] == self.summary("out/block")["digest"]
 
     def test_slurm_stays_away(self, options):
-        """A run that fails for another reason is not put into the queue again."""
+        """A run that fails for another reason is not resubmitted."""
         self.script(options, "--job", "slurm", "--set", "time.speed_max=0.5")
         code, calls = self.execute(LATE, 1)
         assert (code, len(calls)) == (4, 1), self.said
 
     def test_pbs_comes_back(self, options):
-        """The same for PBS: the clock of the run ends it, and the script submits itself."""
+        """The same for PBS: the run ends by its wall limit, and the script resubmits itself."""
         if not shutil.which("mpirun"):
             pytest.skip("there is no mpirun")
         text = self.script(options, "--job", "pbs", "--ranks", "2", "--threads", "3", "--time", "1:00:00")
@@ -155,7 +156,7 @@ class TestJobs:
 
     @pytest.mark.parametrize("scheduler", SCHEDULERS)
     def test_exit_codes(self, options, scheduler):
-        """75 puts the job into the queue again, 0 and other codes do not, and the script ends with the code."""
+        """Exit code 75 resubmits the job, 0 and other codes do not, and the script ends with the code of the run."""
         if scheduler in ("pbs", "lsf"):
             case.need_ranks(options.scree)    # without MPI there is no launcher before the program
         text = self.script(options, "--job", scheduler, "--ranks", "2", "--threads", "1")
@@ -177,7 +178,8 @@ class TestJobs:
 
     @pytest.mark.parametrize("scheduler", SCHEDULERS)
     def test_shellcheck(self, options, scheduler):
-        """Would catch what the shell takes and means otherwise: unquoted words, variables that are never set."""
+        """Would catch constructs that the shell accepts with another meaning: unquoted words, variables that are never
+        set."""
         if not shutil.which("shellcheck"):
             pytest.skip("there is no shellcheck")
         self.script(options, "--job", scheduler, "--outdir", "re sults", "--set", "run.title='it is \"so\"'")
@@ -187,7 +189,7 @@ class TestJobs:
     @pytest.mark.parametrize("scheduler", ["lsf", "flux"])
     def test_signal(self, options, scheduler):
         """The warning signal, which LSF sends to all processes of the job and Flux to the ranks, makes the run write
-        its checkpoint and the job run again; the second part ends with the same bits as a whole run."""
+        its checkpoint and the job restart; the second part ends with the same bits as an uninterrupted run."""
         case.need_ranks(options.scree)
         if not shutil.which("mpirun"):
             pytest.skip("there is no mpirun")
@@ -226,7 +228,8 @@ class TestJobs:
         assert self.summary("whole")["digest"] == self.summary("out/block")["digest"]
 
     def test_memory(self, options):
-        """Would catch memory that does not follow particles and ranks, or that is requested for each thread twice."""
+        """Would catch a memory request that does not depend on particles and ranks, or that is repeated for each
+        thread."""
         def megabytes(*words):
             return int(re.search(r":mem=(\d+)mb", self.script(options, "--job", "pbs", "--threads", "4", *words))[1])
         small, fine = megabytes("--ranks", "1"), megabytes("--ranks", "1", "--set", "grid.dx=5e-4")
@@ -237,7 +240,8 @@ class TestJobs:
         assert abs(4*int(re.search(r"mem-per-cpu=(\d+)M", text)[1]) - fine) <= 4
 
     def test_suggestions(self, options):
-        """Would catch a suggestion that does not follow the particles, and times that are taken for others."""
+        """Would catch a suggested number of ranks that does not depend on the particles, and times that are read
+        wrongly."""
         text = self.script(options, "--job", "slurm", "--time", "0:05:00")
         assert "#SBATCH --ntasks=1\n" in text
         assert "#SBATCH --signal=USR1@60\n" in text
@@ -247,7 +251,7 @@ class TestJobs:
         assert f"#SBATCH --ntasks={-(-particles // 10**6)}\n" in fine
 
     def test_refusals(self, options, sheet):
-        """Would catch a number or word that is taken for another, and a job that no signal reaches."""
+        """Would catch a number or word that is accepted with another meaning, and a job that no signal reaches."""
         for words, message in [
                 (["--job", "sge"], "--job knows slurm, pbs, lsf and flux, not 'sge'"),
                 (["--job", "slurm", "--ranks", "0"], "--ranks = '0' must be an integer above 0"),

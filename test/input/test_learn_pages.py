@@ -2,8 +2,8 @@
 # timeout: 300
 """The pages that explain a deck line by line agree with it, and their pictures, films and scripts can be made.
 
-Would catch a line of a page that the deck does not hold any more, an option or a field that is gone, and a script of
-Python that a new user copies and that fails.
+Would catch a line of a page that is no longer in the deck, an option or a field that no longer exists, and a Python
+script that a new user copies and that fails.
 """
 
 import os
@@ -16,26 +16,26 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Deck of each page, and values with which it takes seconds.
+# : Deck of each page, and values with which it runs in seconds.
 PAGES = {"first_deck": ("two_discs", ("grid.dx=0.05",)),
          "debris_cloud": ("debris_cloud", ("grid.dx=0.775", "time.t_end=4")),
          "brittle_rod": ("glass_rod", ("grid.dx=1", "time.t_end=7")),
          "sand_column": ("column_collapse", ("grid.dx=0.025",))}
-ADDED = "&output  name = 'front'"        # a line that a page proposes and the deck does not have
+ADDED = "&output  name = 'front'"        # a line that a page suggests and that is not in the deck
 
 
 def text_of(page):
-    """A page of doc/learn."""
+    """Text of a page of doc/learn."""
     return (ROOT / f"doc/learn/{page}.md").read_text(encoding="utf-8")
 
 
 def blocks(page, language):
-    """Contents of its fenced blocks of a language."""
+    """Contents of the fenced blocks of a language."""
     return re.findall(rf"^```{language}\n(.*?)^```", text_of(page), re.M | re.S)
 
 
 def without_comment(line):
-    """A line of a deck as far as the program reads it."""
+    """The part of a line of a deck that the program reads."""
     return re.sub(r"\s*!.*", "", line).strip()
 
 
@@ -51,7 +51,7 @@ def test_shown_lines(page):
 
 @pytest.mark.parametrize("page", PAGES)
 def test_commands(page, options):
-    """The deck runs, and what the page shows of scree-post and of Python works on its results."""
+    """The deck runs, and the commands of scree-post and Python on the page work with its results."""
     name, values = PAGES[page]
     program, folder = options.scree, options.work
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "python/src"), "SCREE": str(program), "OMP_NUM_THREADS": "1"}

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bodies that begin with the stress of their weight (initial_stress = 'lithostatic').
+"""Bodies with an initial stress from their weight (initial_stress = 'lithostatic').
 
-Would catch weights that leave out a layer, count what hangs in the air or lies outside the grid, a stress along the
-wrong direction or with the wrong sign, pressures that the first step forgets because the density does not know of
-them, and a column that falls under a weight that it should bear.
+Would catch a weight that omits a layer, or includes material above a gap or outside the grid, a stress along the wrong
+direction or with the wrong sign, pressures that are lost in the first step because the density does not agree with
+them, and a column that moves under a weight that it should support.
 """
 
 import numpy as np
@@ -35,7 +35,7 @@ class TestLithostatic:
     """Two layers in a box, 4 m of soil under 2 m of clay."""
 
     def run_of(self, options, name, ranks=1, flags=("--quiet",), expect=0, **scene):
-        """A run, by itself of no steps."""
+        """A run, by default of zero steps."""
         return case.Case(options, name, DECK.format(**{**SCENE, **scene}), ranks).run(*flags, expect=expect)
 
     def first(self, run):
@@ -44,11 +44,11 @@ class TestLithostatic:
         return snapshot.points, snapshot.fields["stress"], snapshot.fields
 
     def weight(self, z, density=(2000, 1000)):
-        """Of what lies above a height."""
+        """Weight of the material above a height."""
         return 10 * (density[0] * np.maximum(4 - z, 0) + density[1] * (6 - np.maximum(z, 4)))
 
     def test_stress_at_the_start(self, options, sheet):
-        """The weight of both layers along gravity and k0 of it across, in plane, space and rings."""
+        """The weight of both layers along gravity and k0 times it across, in plane, 3-D and axisymmetric scenes."""
         for dimension in ("plane_strain", "3d", "axisymmetric"):
             with sheet.part(dimension):
                 points, stress, fields = self.first(self.run_of(options, "start", dimension=dimension, more="k0 = 0.4"))
@@ -57,13 +57,13 @@ class TestLithostatic:
                 assert np.abs(stress[:, 2] + wanted).max() < 1e-6
                 assert np.abs(stress[:, :2] + 0.4 * wanted[:, None]).max() < 1e-6
                 assert np.abs(stress[:, 3:]).max() == 0.0
-                # dense enough for its pressure
+                # density that gives the pressure
                 density = fields["mass"] / fields["volume"]
                 strain = density / np.where(points[:, 2] < 4, 2000, 1000) - 1
                 assert np.abs(2e7 * strain - 0.6 * wanted).max() < 0.005 * wanted.max()
 
     def test_oblique(self, options):
-        """Gravity at an angle: the stress along it is the weight on the way up to the surface or a face."""
+        """Inclined gravity: the stress along it is the weight along the path to the free surface or to a boundary."""
         points, stress, _ = self.first(self.run_of(options, "oblique", vector="6 0 -8", more="k0 = 0", end_of_top=9,
                                                    width=8))
         along = np.array([0.6, 0, -0.8])
@@ -71,7 +71,7 @@ class TestLithostatic:
         for k, (i, j) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)]):
             tensor[:, i, j] = tensor[:, j, i] = stress[:, k]
         x, z = points[:, 0], points[:, 2]
-        out = np.minimum(x / 0.6, (9 - z) / 0.8)                # length of the way up
+        out = np.minimum(x / 0.6, (9 - z) / 0.8)                # length of the path to the surface
         soil = np.clip(np.minimum((4 - z) / 0.8, out), 0, None)
         wanted = 10 * (2000 * soil + 1000 * (out - soil))
         assert np.abs(np.einsum("i,nij,j->n", along, tensor, along) + wanted).max() < 1e-3
@@ -79,7 +79,7 @@ class TestLithostatic:
         assert np.abs(np.einsum("i,nij,j->n", across, tensor, across)).max() < 1e-6
 
     def test_gaps_and_fresh_bodies(self, options):
-        """What hangs above a gap weighs nothing below it, nor does a body that begins without stress."""
+        """Material above a gap adds no weight below it, nor does a body without initial stress."""
         points, stress, _ = self.first(self.run_of(options, "gap", above=5, end_of_top=7))
         low = points[:, 2] < 4
         assert np.abs(stress[low, 2] + 2e4 * (4 - points[low, 2])).max() < 1e-6
@@ -87,11 +87,12 @@ class TestLithostatic:
         points, stress, _ = self.first(self.run_of(options, "fresh", stress_of_top="zero"))
         assert np.abs(stress[low, 2] + 2e4 * (4 - points[low, 2])).max() < 1e-6
         assert np.abs(stress[~low]).max() == 0.0
-        points, stress, _ = self.first(self.run_of(options, "high", end_of_top=12))       # cut at the face of the grid
+        # cut at the boundary of the grid
+        points, stress, _ = self.first(self.run_of(options, "high", end_of_top=12))
         assert abs(-stress[:, 2].max() - (1e4 * 0.125)) <= 0.5e-3
 
     def test_it_stays_at_rest(self, options, sheet):
-        """Without stress the column falls; with that of its weight it stays, whatever gives its pressure."""
+        """Without initial stress the column falls; with it the column is at rest, for any model of the pressure."""
         for model, more in [("bulk = 2e7", {}), ("bulk = 2e7", {"gravity": ".true.  eos = .false."}),
                             ("eos_model = 'mie_gruneisen'  mg_c0 = 100  mg_s = 1.5  mg_gamma = 1", {}),
                             ("bulk = 2e7  strength_model = 'drucker_prager'  friction_angle = 35  cohesion = 1e3",
@@ -109,7 +110,7 @@ class TestLithostatic:
                     assert speeds[1] < 0.01 * speeds[0]     # 0.0013 to 0.0030
 
     def test_ranks_and_packings(self, options):
-        """The same for any ranks; points at random have the stress of their own heights."""
+        """The same for any ranks; randomly placed particles have the stress of their own heights."""
         one = self.run_of(options, "one", steps=5)
         for ranks in (2, 3):
             assert self.run_of(options, "ranks", ranks, steps=5).summary["digest"] == one.summary["digest"]
@@ -117,7 +118,7 @@ class TestLithostatic:
         assert np.abs(stress[:, 2] + self.weight(points[:, 2])).max() < 1e-3
 
     def test_refused(self, options, sheet):
-        """Each with what to write instead."""
+        """Each refusal states what to write instead."""
         for name, scene, message in [
                 ("still", {"gravity": ".false.  !"}, "write &effects gravity = .true."),
                 ("none", {"vector": "0 0 0"}, "needs gravity along a direction of the scene"),

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Codes of messages against the messages: each that the sources or the tests know has exactly one code.
+"""Codes of messages: each message in the sources or in the tests has exactly one code.
 
-Would catch a message that was reworded, or is new, and has no code; two codes that fit a message equally well; a
-pattern that no message fits any more; a code that was removed or renumbered.
+Would catch a message that was reworded or is new and has no code; two codes that fit a message equally well; a pattern
+that no message matches any more; a code that was removed or renumbered.
 """
 
 import re
@@ -18,13 +18,13 @@ import document_messages as messages
 import message_sites
 
 TABLES = [*messages.FAULTS, instruments.INSTRUMENTS]
-# Readers of files say only what is wrong; who calls them puts this in front.
+# Readers of files report only the error itself; their callers put this in front.
 BEFORE = {"io_stl": "cannot read the facets of '...': ", "io_points": "cannot read the points of '...': ",
           "io_voxels": "cannot read the voxels of '...': ", "io_motion": "cannot read the velocities of '...': ",
           "io_file": "cannot ", "scene_load": "&load '...': ", "eos_table": "it left its eos_table: ",
           "tabulated_text": "cannot use the table '...': "}
-# Calls in which the words of the message are variables, by module and how their text begins: the words are those of
-# other sites, or tested by decks.
+# Calls in which the text of the message is a variable, by module and beginning of the text: the text comes from other
+# calls, or decks test it.
 COMPOSED = {
     ("base_deck_number", "must be ..."), ("base_deck_value", "...;"), ("base_deck_define", "...;"),
     ("base_deck_number", "... such as"), ("io_fields", "output field '...' ..."), ("io_restart", "step and time"),
@@ -37,18 +37,18 @@ FEWEST = {"D1": 16, "D2": 29, "D3": 66, "D4": 47, "D5": 7, "C1": 16, "C2": 6, "R
 
 
 def all_messages():
-    """All records."""
+    """All records of messages."""
     return [message for _, part in messages.sections().values() for message in part]
 
 
 def best(text, known):
-    """Codes that fit a text best: one, if all is well."""
+    """Codes that fit a text best; there should be exactly one."""
     found = messages.scores(text, known)
     return {code for letters, code in found if letters == found[0][0]}
 
 
 def from_sources():
-    """Messages that the sources compose, with where they are."""
+    """Messages in the sources, with their positions."""
     for site in message_sites.sites(case.ROOT):
         module = site.path.split("/")[-1].removesuffix(".f90")
         if not any(module == name and site.text.startswith(text) for name, text in COMPOSED):
@@ -57,7 +57,7 @@ def from_sources():
 
 
 def ask(options, *arguments, expect=0):
-    """What the program prints."""
+    """Output of the program."""
     answer = subprocess.run([options.scree, *arguments], text=True, timeout=60, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, check=False)
     assert answer.returncode == expect, f"{arguments}: exit code {answer.returncode}: {answer.stdout}"
@@ -65,7 +65,7 @@ def ask(options, *arguments, expect=0):
 
 
 class TestCodes:
-    """Patterns against the sources and the tables of wrong decks."""
+    """Patterns against the sources and against the tables of invalid decks."""
 
     @pytest.fixture(autouse=True, scope="class")
     @classmethod
@@ -82,14 +82,14 @@ class TestCodes:
                 assert len(best(text, self.patterns)) == 1, f"{fits}; add a record to src/program/messages"
 
     def test_each_message_of_the_tables_has_one_code(self, sheet):
-        """Would catch the same for messages whose words are variables."""
+        """Would catch the same for messages whose texts are variables."""
         for table in TABLES:
             for row in table:
                 with sheet.part(row[4]):
                     assert len(best(row[4], self.patterns)) == 1, messages.scores(row[4], self.patterns)[:3]
 
     def test_each_pattern_is_said(self, sheet):
-        """Would catch a pattern that no message fits any more."""
+        """Would catch a pattern that no message matches any more."""
         said = [row[4] for table in TABLES for row in table] + [text for _, text in from_sources()]
         said += re.findall(r"^prints: (.*(?:\n         .*)*)", messages.EXAMPLES.read_text(encoding="utf-8"), re.M)
         said = [" ".join(text.split()) for text in said]
@@ -105,7 +105,7 @@ class TestCodes:
                         assert part.strip(" '=()") in source
 
     def test_codes_are_not_removed(self):
-        """Would catch a code that is missing among those of its hundred, and so might be used again."""
+        """Would catch a code that is missing in its hundred, and so might be assigned again."""
         for start, count in FEWEST.items():
             numbers = [int(message.code[2:]) for message in self.known if message.code.startswith(start)]
             assert numbers == list(range(1, len(numbers) + 1)), start
@@ -117,12 +117,12 @@ class TestExplanations:
     """The program against the records."""
 
     def test_list(self, options):
-        """Would catch a program that was built with other records, or loses some."""
+        """Would catch a program that was built with other records, or lacks some."""
         listed = [line.split("  ")[0] for line in ask(options, "--list", "messages").splitlines()]
         assert listed == [message.code for message in all_messages()]
 
     def test_code_and_line_give_the_same(self, options):
-        """Would catch a line from a log, with place and code or without, that is not recognised."""
+        """Would catch a line from a log, with file, line and code or without, that is not recognised."""
         line = "scene.nml:4: error: &material: density = -2700  <- must be > 0 kg/m3"
         wanted = ask(options, "--explain", "D214")
         assert ask(options, "--explain", line) == wanted
@@ -134,14 +134,14 @@ class TestExplanations:
             assert part in wanted
 
     def test_explanations_are_text(self, options):
-        """Would catch marks of Markdown, lines wider than a screen, and fields of a record that are lost."""
+        """Would catch Markdown syntax, lines wider than a screen, and fields of a record that are lost."""
         for code in ("D201", "D214", "R101", "F113"):
             text = ask(options, "--explain", code)
             assert "](" not in text
             assert all(len(line) <= 80 for line in text.split("wrong:")[0].splitlines()), text
 
     def test_unknown(self, options):
-        """Would catch an unknown text or code without a way on, and keys that are taken for messages."""
+        """Would catch an unknown text or code without a hint, and keys that are taken for messages."""
         said = ask(options, "--explain", "the density must be larger", expect=2)
         assert "similar messages:\n" in said
         assert "scree --list messages" in said

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page of messages and the examples of `scree --explain`: they show what the program prints today.
+"""The page of messages and the examples of `scree --explain` show what the program prints now.
 
-Would catch a message that was reworded and is shown with its old words, an example that brings another message,
-another code or none, a deck shown as right that is wrong, a record that is not on the page, and a message that lost
-its example.
+Would catch a message that was reworded and is shown with its old text, an example that causes another message, another
+code or none, a deck shown as correct that has an error, a record that is not on the page, and a message whose example
+was lost.
 """
 # timeout: 200
 
@@ -14,8 +14,8 @@ import pytest
 import document_messages as messages
 
 MOST_LINES = 3500            # of the page
-# Messages without an example: no deck brings them about, none does with the same words twice, or the
-# message is one of several that need no example.
+# Messages without an example: no deck causes them, no deck causes them twice with the same text, or the message is one
+# of several that need no example.
 ALONE = {"D224", "D226", "D227", "D228", "D229", "D350", "D351", "D360", "D361", "D362", "D365", "D447", "C111",
          "C117", "R118", "R124", "R127", "R128", "R129", "R130", "F123", "F124"}
 
@@ -29,16 +29,16 @@ class TestPage:
         cls.texts = messages.documents(file_options.scree)
 
     def test_page_is_that_of_the_program(self):
-        """Would catch a page or examples that differ."""
+        """Would catch a page or examples that are out of date."""
         assert messages.out_of_date(self.texts) == [], "run scripts/document_messages.py and look at the changes"
 
     def test_what_is_out_of_date_is_seen(self):
-        """Would catch a comparison that finds nothing."""
+        """Would catch a comparison that never finds a difference."""
         changed = {messages.PAGE: self.texts[messages.PAGE] + "more\n", messages.PAGE.with_name("new.md"): "text"}
         assert messages.out_of_date(changed) == ["messages.md differs", "new.md is missing"]
 
     def test_records(self):
-        """Would catch fields that are lost, and a pattern that fits too little or too much."""
+        """Would catch fields that are lost, and a pattern that matches too little or too much."""
         text = "says: it ... is: so\nsays: or so\nwhen: warning\ncause: Why\n  this.\nremedy: What.\nnote: More.\n"
         one = messages.Message("values", "D299", text)
         assert (one.says, one.when, one.cause, one.remedy, one.notes) == (
@@ -52,7 +52,7 @@ class TestPage:
                 messages.Message("values", "D299", wrong)
 
     def test_each_message_has_its_place_and_example(self):
-        """Would catch a code without an anchor, and a message that lost its example."""
+        """Would catch a code without an anchor, and a message whose example was lost."""
         page = self.texts[messages.PAGE]
         codes = [message.code for _, part in messages.sections().values() for message in part]
         assert re.findall(r"^### (\w+)$", page, re.M) == codes

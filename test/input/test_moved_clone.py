@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A clone that was copied into another folder brings its Python environment along.
+"""A clone that is copied into another folder keeps a working Python environment.
 
-Would catch: commands of build/venv that call the Python or the sources of the old place, that do not start in a folder
-with a blank and an umlaut in its name, and an environment that is made anew each time.
+Would catch: commands of build/venv that call the Python or the sources of the old folder, that do not start in a folder
+with a blank and an umlaut in its name, and an environment that is made again each time.
 """
 
 import importlib.util
@@ -19,14 +19,14 @@ RENEW = 'set -euo pipefail; source "$1/scripts/common.sh"; renew_python'
 
 
 def run(*words):
-    """Exit code and all that was said."""
+    """Exit code and all output."""
     answer = subprocess.run([str(word) for word in words], text=True, stdout=subprocess.PIPE, check=False,
                             stderr=subprocess.STDOUT)
     return answer.returncode, answer.stdout
 
 
 def renew(root):
-    """Bring the environment of a clone to where it is."""
+    """Adapt the environment of a clone to its present folder."""
     return run("bash", "-c", RENEW, "bash", root)
 
 
@@ -42,7 +42,8 @@ def test_moved_clone(options, sheet):
     if code or backend is None or importlib.util.find_spec("editables") is None:
         pytest.skip(f"no environment can be made here, or hatchling or editables is missing: {said[-200:]}")
     (packages,) = (first / "build/venv/lib").glob("python3*/site-packages")
-    # What builds the package is that of this environment; links in a folder that is added so are not followed.
+    # The build tools of the package come from the environment of the tests; links in a folder that is added in this way
+    # are not followed.
     (packages / "builder.pth").write_text(f"{Path(backend.origin).parents[1]}\n", encoding="utf-8")
     code, said = renew(first)
     sheet.require(code == 0, f"the first environment: {said}")

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""All errors of a deck in one pass, each once, and no warning without a reason.
+"""All errors of a deck are reported in one pass, each once, and no warning without a reason.
 
-Would catch: fields of outputs that are checked only where all else is right, errors that only follow from a wrong
-preset, one mistake in a repeated body that is reported for each copy, a gas that is called too light, a table of
-gravity that is called one of velocities, a velocity formula that fails only when the run begins, and a run that
-computes on when nothing is left.
+Would catch: fields of outputs that are checked only if there is no other error, errors that only follow from an invalid
+preset, one mistake in a repeated body that is reported for each copy, a gas with a warning about its low density, a
+table of gravity that is called one of velocities, a velocity formula that fails only when the run begins, and a run
+that continues when no material is left.
 """
 
 import re
@@ -19,7 +19,7 @@ DECK = {"run": "&run case='c' dimension='plane_strain' /", "grid": "&grid lo=0,0
 
 
 def said_of(options, name, *words, files=None, expect=2, **groups):
-    """What a check, or another call, says of a deck with some groups changed: its lines but the last."""
+    """Output of a check, or of another call, for a deck with some groups changed: its lines except the last."""
     folder = options.work / f"{name} ü"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -36,7 +36,7 @@ def said_of(options, name, *words, files=None, expect=2, **groups):
 
 
 def problems(said):
-    """Lines of errors and warnings."""
+    """Lines with errors and warnings."""
     return [line for line in said.splitlines() if ": error: " in line or ": warning: " in line]
 
 
@@ -44,13 +44,13 @@ class TestOnePass:
     """Decks with a few mistakes each."""
 
     def test_preset(self, options):
-        """Would catch follow-up errors of a wrong preset, on keys that it sets or that need what it sets."""
+        """Would catch follow-up errors of an invalid preset, on keys that it sets or that depend on such keys."""
         for word, near in (("aluminium_6061", "al_6061_t6"), ("copper", "cu_ofhc"), ("al6061", "al_6061_t6"),
                            ("steel 1006", "steel_4340"), ("al_6061_t5", "al_6061_t6")):
             lines = problems(said_of(options, "preset", material=f"&material name='m' preset='{word}' jc_a=1e8 /"))
             assert len(lines) == 1, lines
             assert f"did you mean '{near}'?" in lines[0]
-        # a warning on the wave speed of a material that is not known
+        # a warning about the wave speed of a material that is not known
         lines = problems(said_of(options, "no modulus", material="&material name='m' density=2700 young=7e10 /"))
         assert len(lines) == 1, lines
         lines = problems(said_of(options, "no preset", material="&material name='m' preset='xyz' /"))
@@ -59,7 +59,8 @@ class TestOnePass:
         assert len(lines) == 2, "an error that does not follow from the preset is reported"
 
     def test_fields(self, options):
-        """Would catch fields that are checked after all else, or of which only the first wrong one is named."""
+        """Would catch fields that are checked only after all else, or of which only the first invalid one is
+        reported."""
         output = "&output name='o' kind='{}' dt=1e-4 fields='{}','velocty','mass' /"
         for other in ({}, {"time": "&time t_end=1 parsec /"}, {"material": "&material name='m' preset='al_60' /"},
                       {"grid": "&grid lo=0,0,0 hi=1,1,1 dx=-1 /"}):
@@ -80,7 +81,7 @@ class TestOnePass:
         assert "is not stored by any material of this scene" in said
 
     def test_repeat(self, options):
-        """Would catch a mistake that is reported for each copy, or copies that are wrong and not counted."""
+        """Would catch a mistake that is reported for each copy, or the number of copies missing in the message."""
         body = "&body name='b' region='r' material='m' repeat=3,1,2 repeat_step={},0,0.02 temperature=300 /"
         lines = problems(said_of(options, "copies", body=body.format(0.01)))
         errors = [line for line in lines if ": error: " in line]
@@ -94,7 +95,8 @@ class TestOnePass:
         assert re.search(r"lies outside of the grid.*\(and \d more among the 6 copies\) \[D409\]$", errors[0])
 
     def test_gas(self, options):
-        """Would catch a gas that is called too light, and a solid or a liquid in other units that is not."""
+        """Would catch a warning about the low density of a gas, and the lack of one for a solid or a liquid in other
+        units."""
         light = "lighter than polystyrene"
         gas = "&material name='m' density={} elastic='none' {} /"
         for density, keys, warned in ((1.2, "eos_model='ideal_gas' ig_gamma=1.4", False),
@@ -107,7 +109,8 @@ class TestOnePass:
         assert light in said
 
     def test_gravity_table(self, options):
-        """Would catch a faulty file that is blamed on velocities, or without the key that names it."""
+        """Would catch an invalid file of gravity that is reported as one of velocities, or without the key that names
+        it."""
         effects = "&effects gravity=.true. gravity_vector=0,0,-9.8 gravity_table='g.csv' /"
         said = said_of(options, "no table", effects=effects)
         assert "&effects: gravity_table: cannot read 'g.csv'" in said
@@ -117,7 +120,7 @@ class TestOnePass:
         ) in said
 
     def test_formula(self, options):
-        """Would catch a formula without a value at one particle of many that a check lets pass."""
+        """Would catch a formula without a value at one particle of many that a check does not report."""
         formula = "&body name='b' region='r' material='m' velocity_formula='1/(x-0.525)','0','sqrt(z-0.3)' /"
         lines = problems(said_of(options, "formula", body=formula))
         assert len(lines) == 1
@@ -127,7 +130,7 @@ class TestOnePass:
         assert len(lines) == 2, lines
 
     def test_all_has_left(self, options):
-        """Would catch a run that goes on without material, says nothing of it, or cannot be restarted."""
+        """Would catch a run that continues without material, does not report this, or cannot be restarted."""
         body = "&body name='b' region='r' material='m' velocity=3000,0,0 /"
         said = said_of(options, "left", "--overwrite", body=body, time="&time t_end=0.1 /", expect=0)
         assert re.search(r"warning: all material has left the grid before t_end, through open boundaries", said)
@@ -139,7 +142,7 @@ class TestOnePass:
         assert re.search(r"ended +all material has left the grid", again.stdout)
 
     def test_list(self, options):
-        """Would catch --list without a value that is an error, or names one that cannot be listed."""
+        """Would catch --list without a value that is an error, or that names a list that does not exist."""
         answer = subprocess.run([options.scree, "--list"], text=True, capture_output=True, check=False)
         assert answer.returncode == 0, answer.stderr
         names = [line.split()[0] for line in answer.stdout.splitlines() if line.startswith("   ")]

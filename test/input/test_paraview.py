@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""ParaView itself opens what a run wrote; skipped where pvbatch or a screen for it is missing.
+"""ParaView opens the files of a run; skipped where pvbatch or a virtual display is missing.
 
-Would catch a layout that the VTK wheels read and ParaView's own readers do not, a series whose times it takes for
-others, points or fields that are lost on the way, and a view script or a state file that no longer fits.
+Would catch a layout that the VTK wheels read and the readers of ParaView do not, a series that ParaView shows with
+other times, particles or fields that are lost, and a view script or a state file that no longer works.
 """
 
 import json
@@ -19,7 +19,7 @@ import pytest
 
 import post_command
 
-# Runs in the Python of ParaView: prints what it sees at each time of the files that are named.
+# Runs in the Python of ParaView: prints the content of the given files at each time.
 READS = """
 import json, sys
 from paraview.simple import Delete, OpenDataFile
@@ -57,18 +57,18 @@ print("SEEN " + json.dumps([view.ViewTime, view.CameraParallelScale]))
 
 
 def command():
-    """ParaView without a window, on a screen that is not there; None if one of the two is missing."""
+    """ParaView without a window, on a virtual display; None if one of the two is missing."""
     pvbatch, screen = shutil.which("pvbatch"), shutil.which("xvfb-run")
     if not pvbatch:
         return None
     if os.environ.get("DISPLAY"):
         return [pvbatch]
-    # a screen that begins anew when its last window is gone refuses the next one for a moment
+    # a virtual display that restarts after its last window has closed refuses the next window for a moment
     return [screen, "-a", "-s", "-noreset -screen 0 1400x1000x24", pvbatch] if screen else None
 
 
 def expected(path):
-    """What a snapshot holds: time, number and bounds of points, means of fields."""
+    """Content of a snapshot: time, number and bounds of particles, means of fields."""
     with h5py.File(path) as file:
         data = file["VTKHDF"]
         points = data["Points"][:]
@@ -80,7 +80,7 @@ def expected(path):
 
 
 def compare(sheet, name, found, wanted):
-    """All moments of one file."""
+    """All times of one file."""
     sheet.require(len(found) == len(wanted) > 2, f"{name}: {len(found)} times, {len(wanted)} snapshots")
     for one, other in zip(found, wanted):
         at = f"{name} at {other['time']:.3g}"
@@ -122,7 +122,8 @@ def test_paraview(options, sheet):
 
 
 def halves(picture):
-    """Pixels with colours left and right of the middle of a picture; grey are letters and the background."""
+    """Numbers of coloured pixels left and right of the middle of a picture; grey pixels are letters and the
+    background."""
     pixels = np.asarray(PIL.Image.open(picture).convert("RGB")).astype(int)[:, 100:1450]
     coloured = np.ptp(pixels, axis=2) > 30
     middle = 700                                         # of 1600 pixels, of which 100 are cut off
@@ -130,9 +131,11 @@ def halves(picture):
 
 
 def test_script_and_state(options, sheet):
-    """What scree-post paraview writes of an axisymmetric run shows both halves at the last time, and so does the state.
+    """The script that scree-post paraview writes for an axisymmetric run shows both halves at the last time, and so
+    does the state file.
 
-    Would catch a script or state that ParaView refuses, a window beside the particles, one half, and another time."""
+    Would catch a script or state that ParaView refuses, a window that does not show the particles, one half only, and
+    another time."""
     start = command()
     if not start or not shutil.which("pvpython"):
         pytest.skip("pvbatch and pvpython, or xvfb-run for them, are not installed")

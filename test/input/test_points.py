@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bodies made of points of a file: a table of text, or a snapshot of another run.
+"""Bodies made of the points of a file: a text table, or a snapshot of another run.
 
-Would catch columns in the wrong order or unit, points that are lost, doubled or of another material, identities that
-depend on ranks, fields that end at other particles, a run that does not go on where the other ended, and tables that
-are wrong and are read all the same.
+Would catch columns in the wrong order or unit, points that are lost, duplicated or of another material, identities that
+depend on ranks, fields that are assigned to other particles, a run that does not continue the other run, and invalid
+tables that are accepted.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ OTHER = "&material name = 'other'  density = 2000  bulk = 1e9  shear = 5e8 /\n"
 
 
 def table(points, **columns):
-    """A table of text."""
+    """A text table."""
     values = np.column_stack([points, *columns.values()])
     names = ",".join(["x,y,z", *columns])
     return "\n".join([names, *(",".join(repr(float(x)) for x in row) for row in values), ""])
@@ -40,19 +40,20 @@ class TestPoints:
     def run_of(self, options, name, shape="shape = 'points'  file = 'a.csv'", text="", ranks=1, flags=("--quiet",),
                expect=0,
                **scene):
-        """A run, by itself of no steps."""
+        """A run, by default of zero steps."""
         run = case.Case(options, name, DECK.format(shape=shape, **{**SCENE, **scene}), ranks)
         (run.folder / "a.csv").write_text(text, encoding="utf-8")
         return run.run(*flags, expect=expect)
 
     def lattice(self, options, **scene):
-        """A ball of the lattice and its particles."""
+        """A ball of lattice particles, and these particles."""
         shape = "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.4"
         run = self.run_of(options, f"lattice_{len(scene)}", shape, body="velocity = 1 2 3  spin = 0 0 50", **scene)
         return run, run.snapshots()[-1][1]
 
     def state(self, run, origin=None):
-        """What the particles are, in the order of their identities, or of those of the rows that they come from."""
+        """State of the particles, in the order of their identities, or of those of the rows from which they were
+        read."""
         last = run.snapshots()[-1][1]
         identity = last.fields["identity"]
         if origin is not None:
@@ -62,12 +63,13 @@ class TestPoints:
         return values[np.argsort(identity)]
 
     def near(self, found, wanted, share):
-        """Numbers agree to a share of the greatest of their column."""
+        """Numbers agree to a fraction of the greatest value in their column."""
         scale = np.maximum(np.abs(wanted).max(axis=0), 1e-300)
         assert (np.abs(found - wanted) / scale).max() < share
 
     def test_a_table_of_the_lattice(self, options):
-        """The table of a lattice is the lattice, at the start and after steps; ranks do not matter."""
+        """A table with the sites of a lattice gives the same result as the lattice, at the start and after steps, for
+        any ranks."""
         lattice, first = self.lattice(options, steps=20)
         at_start = self.lattice(options)[1]
         order = np.argsort(at_start.fields["identity"])
@@ -87,7 +89,7 @@ class TestPoints:
             self.near(self.state(run), self.state(plain), 1e-9)
 
     def test_columns(self, options):
-        """Any order, comments, empty lines and ends of lines; velocities and volumes in units of the deck."""
+        """Any order of columns, comments, empty lines and line ends; velocities and volumes in units of the deck."""
         rows = np.array([(30, 40, 50, 0.1, 1, 2, 3), (35, 40, 50, 0.2, 4, 5, 6), (60, 70, 80, 0.3, 7, 8, 9)])
         order = [3, 2, 0, 1, 6, 5, 4]
         head = np.array(["x", "y", "z", "volume", "vx", "vy", "vz"])[order]
@@ -110,7 +112,7 @@ class TestPoints:
         assert np.allclose(last.fields["volume"], 0.001)
 
     def test_materials(self, options):
-        """Each body takes the points of its own material; identities stay apart."""
+        """Each body uses the points of its own material; identities of bodies do not overlap."""
         text = "x,y,z,volume,material\n" + "".join(f"{k / 20},0.5,0.5,{k}e-5,{('metal', 'other')[k % 2]}\n"
                                                    for k in range(1, 20))
         run = self.run_of(options, "materials", text=text,
@@ -122,7 +124,7 @@ class TestPoints:
         assert np.allclose(last.fields["mass"], k * 1e-5 * np.where(k % 2, 2000, 1000))
 
     def test_plane_and_rings(self, options):
-        """In a plane scene y says nothing; the volume of a ring is that of all of it."""
+        """In a plane scene y is ignored; the volume of a ring is that of the whole ring."""
         for dimension in ("plane_strain", "axisymmetric"):
             shape = "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.4"
             how = {"more": "&method basis = 'gimp' /", "method": "method = 'mpm'", "steps": 10, "dimension": dimension}
@@ -134,7 +136,8 @@ class TestPoints:
             self.near(self.state(run), self.state(plain), 1e-9)
 
     def test_going_on_from_a_snapshot(self, options):
-        """A run from the last snapshot of another has its mass, momentum and energy, and ends where it would have."""
+        """A run from the last snapshot of another run has its mass, momentum and energy, and ends in the same state as
+        that run would."""
         ball = {"shape": "shape = 'sphere'  centre = 0.5 0.5 0.4  radius = 0.3", "time": "dt_fixed = 2e-5",
                 "fields": "'spin'"}
         fall = {"body": "velocity = 1 2 -30  spin = 0 0 50", **ball}
@@ -159,7 +162,7 @@ class TestPoints:
                           fields="'spin'")
         assert two.summary["digest"] == rest.summary["digest"]
         still = self.run_of(options, "still", shape, body="packing = 'file'")
-        stress = self.state(still)[:, 8:14]       # the deviator begins as 0; the pressure follows from the density
+        stress = self.state(still)[:, 8:14]       # the deviator starts from 0; the pressure follows from the density
         assert np.abs(stress[:, 3:]).max() == 0.0
         assert np.abs(stress[:, :3] - stress[:, :1]).max() < 1e-6
         assert np.abs(stress[:, 0]).max() > 1e4
@@ -171,7 +174,7 @@ class TestPoints:
         self.near(self.state(rest, half.snapshots()[-1][1]), self.state(whole), 1e-9)
 
     def test_one_body_of_a_snapshot(self, options):
-        """from_body picks one of two bodies of a material; units of the snapshot do not matter."""
+        """`from_body` selects one of two bodies of a material; units of the snapshot have no effect."""
         more = ("&region name = 'there'  shape = 'box'  lo = 0.75 0.75 0.75  hi = 1 1 1 /\n"
                 "&body name = 'two'  region = 'there'  material = 'metal'  velocity = 5 0 0 /\n")
         first = self.run_of(options, "first", "shape = 'box'  lo = 0 0 0  hi = 0.25 0.5 0.5", body="", more=more)
@@ -195,7 +198,7 @@ class TestPoints:
         self.near(self.state(run, cgs.snapshots()[0][1]), self.state(plain), 1e-12)
 
     def test_check_tells(self, options):
-        """How many points there are and what is missing."""
+        """Number of points and missing fields in the output of --check."""
         first = self.lattice(options)[0]
         said = self.run_of(options, "told", f"shape = 'points'  file = '{first.path('_p_000000.hdf')}'",
                            flags=("--check", "--no-estimate")).output
@@ -203,7 +206,7 @@ class TestPoints:
         assert "list       one: 1088 of 1088 points of the file, which hold 0.265625 m3" in said
 
     def test_refused(self, options, sheet):
-        """Each with its line in the table, and what to write instead."""
+        """Each refusal has its line in the table, and states what to write instead."""
         good = "x,y,z,volume\n0.1,0.2,0.3,1e-4\n0.5,0.5,0.5,1e-4\n"
         points = "shape = 'points'  file = 'a.csv'"
         for name, shape, text, scene, message in [

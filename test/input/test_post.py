@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests of the Python post-processing on snapshots with closed solutions.
+"""Tests of the Python post-processing on snapshots with analytical solutions.
 
-Each test says in its first line which bug it would catch. No run of the program is needed.
+The first line of each test states which bug it would catch. No run of the program is needed.
 """
 
 import json
@@ -55,7 +55,7 @@ def close(found, wanted, tolerance, what):
 
 
 def test_sphere_axisymmetric(work):
-    """Wrong Abel transform, a caustic or bright line on the axis, mass taken per radian."""
+    """Wrong Abel transform, a caustic or bright line on the axis, mass per radian instead of the full circle."""
     snap = scree_post.snapshot(ball(f"{work}/axial_p_000001.hdf", "axisymmetric", 100))
     frame = areal_density.radiograph(snap, RADIUS / 60.0)
     largest, mean = worst(frame, RADIUS, DENSITY)
@@ -67,7 +67,7 @@ def test_sphere_axisymmetric(work):
 
 
 def test_sphere_quarter(work):
-    """Mirror images forgotten or doubled, axes exchanged, kernel not integrated."""
+    """Mirror images missing or doubled, axes exchanged, kernel not integrated."""
     snap = scree_post.snapshot(ball(f"{work}/quarter_p_000001.hdf", "3d", 30))
     for sight in "xy":
         frame = areal_density.radiograph(snap, RADIUS / 40.0, sight)
@@ -80,7 +80,7 @@ def test_sphere_quarter(work):
 
 
 def test_grown_ball(work):
-    """Size of a particle from its first volume instead of the present one: gaps."""
+    """Size of a particle from its initial volume instead of its current one: gaps."""
     for dimension, cells in (("axisymmetric", 60), ("3d", 30)):
         snap = scree_post.snapshot(ball(f"{work}/grown_p_000001.hdf", dimension, cells, grown=4.0))
         frame = areal_density.radiograph(snap, RADIUS / 40.0)
@@ -90,7 +90,7 @@ def test_grown_ball(work):
 
 
 def test_shell(work):
-    """Projection that is right for full balls only: limb of a shell wrong, inside not hollow."""
+    """Projection that is correct for full balls only: limb of a shell wrong, inside not hollow."""
     inner = 0.7 * RADIUS
     snap = scree_post.snapshot(ball(f"{work}/shell_p_000001.hdf", "axisymmetric", 140, inner=inner))
     frame = areal_density.radiograph(snap, RADIUS / 60.0)
@@ -99,7 +99,7 @@ def test_shell(work):
 
 
 def test_annulus():
-    """A projection matrix that loses mass where radii and pixels do not match."""
+    """A projection matrix that loses mass where radii and pixels do not coincide."""
     edges, radii = np.linspace(0.0, 1.3, 38), np.linspace(0.0, 1.2, 91)
     share = areal_density.annulus_projection(radii, edges)
     assert share.min() >= -1.0e-15 and np.abs(share.sum(axis=1) - 0.5).max() < 1.0e-12
@@ -109,7 +109,7 @@ def test_annulus():
 
 
 def test_random_sizes():
-    """Mass lost where large and small particles share a chunk, at the axis, or at a pixel edge."""
+    """Mass lost where large and small particles are processed together, at the axis, or at a pixel edge."""
     random = np.random.default_rng(5)
     r, z = np.abs(random.normal(size=3000)), random.normal(size=3000)
     half, mass = 10.0 ** random.uniform(-3.0, 0.3, 3000), random.uniform(0.0, 1.0, 3000)
@@ -127,7 +127,7 @@ def test_random_sizes():
 
 
 def test_leading_edge(work):
-    """Speed of the front from the sheet at rest, from a stray particle, or with the wrong sign."""
+    """Speed of the leading edge from the sheet at rest, from an isolated particle, or with the wrong sign."""
     snap = scree_post.snapshot(ball(f"{work}/edge_p_000001.hdf", "axisymmetric", 40, speed=-6000.0))
     rest = snap.points[:, 2] > CENTRE
     snap.fields["velocity"][rest] = 0.0
@@ -140,7 +140,7 @@ def test_leading_edge(work):
 
 
 def test_symmetry_plane(work):
-    """Mirroring at 0 when the plane of symmetry lies elsewhere; an unknown face ignored."""
+    """Mirroring at 0 when the plane of symmetry is elsewhere; an unknown face ignored."""
     snap = scree_post.snapshot(ball(f"{work}/plane_p_000001.hdf", "3d", 12))
     still = areal_density.radiograph(snap, RADIUS / 20.0).sigma
     snap.points[:, 0] += 20.0 * RADIUS
@@ -165,7 +165,7 @@ def picture_size(path):
 
 
 def test_radiograph_command(work):
-    """A picture that needs a display or the current folder, frames chosen wrongly."""
+    """A picture that needs a display or depends on the current folder, frames chosen wrongly."""
     series, entries = make_series(work)
     run = process("radiograph", os.path.dirname(series))
     assert run.returncode == 0, run.stderr
@@ -192,7 +192,7 @@ def test_radiograph_command(work):
 
 
 def test_movie(work):
-    """A film with a frame missing or with pages of different sizes."""
+    """A film with a missing frame or with frames of different sizes."""
     series, entries = make_series(work, name="film")
     run = call(
         "radiograph",
@@ -210,7 +210,7 @@ def test_movie(work):
 
 
 def test_errors(work):
-    """A trace instead of a sentence, a wrong exit code, a picture in spite of an error."""
+    """A traceback instead of a message, a wrong exit code, a picture in spite of an error."""
     series, entries = make_series(work, name="bad")
     folder = os.path.dirname(series)
     first = os.path.join(folder, entries[1]["name"])
@@ -271,7 +271,7 @@ def test_errors(work):
 
 
 def test_history(work):
-    """Units lost, columns shifted, a half-written line taken in, a missing column needed."""
+    """Units lost, columns shifted, an incomplete line read, a missing column required."""
     path = f"{work}/ball_history.csv"
     with open(path, "w", encoding="ascii") as handle:
         handle.write(
@@ -315,7 +315,7 @@ def test_reading(work):
 
 
 def test_check_files(work):
-    """A check that passes whatever is in the files: each damage here must be seen."""
+    """A check that always passes: each damage made here must be found."""
     series, entries = make_series(work, name="files")
     run = process("check", series)
     fine = 0

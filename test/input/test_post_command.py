@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
 # timeout: 600
-"""Tests of scree-post on small runs: info, plot, compare, sweep, and what it says of mistakes.
+"""Tests of scree-post on small runs: info, plot, compare, sweep, and messages about mistakes.
 
-Each test says in its first line which bug it would catch.
+The first line of each test states which bug it would catch.
 """
 
 import contextlib
@@ -35,13 +35,13 @@ def options(file_options):
 
 
 def good(answer):
-    """The words of a call that must have gone well and must not have complained."""
+    """Output of a call that must succeed without a warning."""
     assert answer.returncode == 0 and not answer.stderr, f"{answer.returncode} {answer.stderr}"
     return answer.stdout
 
 
 def refused(answer, code, *parts):
-    """A call that must end with one line on standard error that holds some words."""
+    """A call that must end with one line on standard error that contains some words."""
     said = answer.stderr.strip().splitlines()
     assert answer.returncode == code, f"exit {answer.returncode}, wanted {code}: {said}"
     assert len(said) == 1, f"{len(said)} lines: {said}"
@@ -50,7 +50,7 @@ def refused(answer, code, *parts):
 
 @pytest.mark.tiers("full", "long")
 def test_info(options):
-    """Ranges of another snapshot, masses of bodies exchanged, a kind of file not known."""
+    """Ranges of another snapshot, masses of bodies exchanged, an unknown kind of file."""
     folder = options.work / "out" / "debris_cloud"
     text = good(call("info", folder))
     snap = scree_post.snapshot(scree_post.series(series(options.work, "debris_cloud"))[-1][1])
@@ -72,7 +72,7 @@ def test_info(options):
 
 
 def test_deck(options):
-    """A deck that is not the one that was run, or that is no deck."""
+    """A deck that is not the one of the run, or a file that is not a deck."""
     for name in ("coarse_p_000002.hdf", "coarse_p.hdf.series", "coarse_chk_0001.h5"):
         text = good(call("info", options.work / "out" / "coarse" / name, "--deck"))
         assert text.rstrip("\n") == DISCS.read_text(encoding="utf-8").rstrip("\n"), name
@@ -82,7 +82,7 @@ def test_deck(options):
 
 @pytest.mark.tiers("full", "long")
 def test_grids(options):
-    """A folder with fields on the grid, slices and fragments of the program that cannot be told."""
+    """A folder with fields on the grid, slices and fragments whose kinds are not recognised."""
     deck = DISCS.read_text(encoding="utf-8") + "".join(
         f"&output\n  name = '{name}'  kind = '{name}'  dt = 3  {more}\n/\n" for name, more in (
             ("grid", "fields = 'density', 'velocity'"), ("slice", "axis = 'x'  at = -0.3"),
@@ -116,7 +116,7 @@ def lines_drawn(function, *words):
 
 
 def test_plot(options):
-    """Another column than the named one, a unit lost, histories mixed up, a zero on a log axis."""
+    """Another column than the requested one, a unit lost, histories mixed up, a zero on a logarithmic axis."""
     work = options.work
     figure, text = lines_drawn(call, "plot", work / "out" / "two_discs", "--y",
                                "kinetic,internal,momentum_error", "--out", work / "y.png")
@@ -145,7 +145,7 @@ def test_plot(options):
 
 @pytest.mark.tiers("full", "long")
 def test_compare(options):
-    """Differences hidden or invented: a run is itself, and one number is off by a known amount."""
+    """Differences that are missed or wrong: a run equals itself, and one number differs by a known amount."""
     work = options.work
     one = work / "out" / "coarse"
     other = work / "out" / "changed"
@@ -155,7 +155,7 @@ def test_compare(options):
     frames = scree_post.series(str(other))
     with h5py.File(frames[3][1], "r+") as handle:
         values = handle["VTKHDF/PointData/pressure"]
-        order = np.arange(len(values))[::-1]             # the order of particles must not matter
+        order = np.arange(len(values))[::-1]             # the order of particles must have no effect
         for name in handle["VTKHDF/PointData"]:
             data = handle["VTKHDF/PointData"][name]
             data[...] = data[...][order]
@@ -186,7 +186,7 @@ def test_compare(options):
 
 @pytest.mark.tiers("full", "long")
 def test_compare_histories(options):
-    """Lines of different times taken for each other, a tolerance not kept."""
+    """Rows of different times compared with each other, a tolerance ignored."""
     names = ("two_discs", "coarse")
     one, two = (options.work / "out" / name / f"{name}_history.csv" for name in names)
     assert "the same within 0" in good(call("compare", one, one))
@@ -208,7 +208,8 @@ def sweep(options, *words):
 
 @pytest.mark.tiers("full", "long")
 def test_sweep(options):
-    """Values of one run under another, a failure that is silent, a study that begins anew, rows that are lost."""
+    """Values of one run shown for another, a failure that is not reported, a study that starts again, rows that are
+    lost."""
     shutil.rmtree(options.work / "sweep", ignore_errors=True)
     words = ("--set", "material.poisson=0.2,0.7,0.3", "--take", "steps,kinetic,kinetic.min",
              "--jobs", "2")
@@ -254,7 +255,7 @@ def test_sweep(options):
 
 @pytest.mark.tiers("full", "long")
 def test_sweep_restart(options):
-    """A run that was stopped with a checkpoint begins anew, or is taken for done."""
+    """A run that was stopped with a checkpoint starts from the beginning, or is taken for finished."""
     folder = options.work / "stopped"
     shutil.rmtree(folder, ignore_errors=True)
     words = ("sweep", DISCS, "--scree", options.scree, "--outdir", folder, "--threads", "1",
@@ -271,7 +272,7 @@ def test_sweep_restart(options):
 
 @pytest.mark.tiers("full", "long")
 def test_mistakes(options):
-    """A trace instead of a sentence, no suggestion, a wrong exit code, something left behind."""
+    """A traceback instead of a message, no suggestion, a wrong exit code, files left behind."""
     work, discs = options.work, series(options.work, "two_discs")
     shutil.rmtree(work / "wrong", ignore_errors=True)
     table = discs.replace("_p.hdf.series", "_history.csv")
@@ -312,7 +313,7 @@ def test_mistakes(options):
 
 
 def test_command(options):
-    """A command that does not start by itself, help that forgets one, another version."""
+    """A command that does not start by itself, help that omits a command, another version."""
     answer = process("--help")
     assert answer.returncode == 0 and not answer.stderr, answer.stderr
     from scree_post.commands import COMMANDS
@@ -335,9 +336,9 @@ def test_command(options):
 
 
 def test_progress():
-    """A bar in a pipe or a file, and one that is left behind."""
+    """A progress bar in a pipe or a file, and one that is not removed."""
     class Screen:
-        """A terminal that keeps what is written."""
+        """A terminal that stores what is written to it."""
 
         def __init__(self, loud):
             self.text, self.loud = "", loud

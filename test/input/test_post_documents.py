@@ -3,7 +3,7 @@
 """Every command of scree-post that a document or a help text shows is run on small runs.
 
 Would catch an option that was renamed, an example that does not work, and a command of a document
-that nobody tried.
+that fails.
 """
 
 import os
@@ -24,7 +24,7 @@ from scree_post.commands import COMMANDS
 DOCUMENTS = ("README.md", "doc/learn/first_deck.md", "doc/guide/post_processing.md", "doc/guide/accuracy.md",
              "doc/reference/matter_outputs.md", "doc/guide/grain_cell.md", "doc/reference/materials.md",
              "input/debris_cloud/README.md")
-LEAST = 20               # commands that the documents are known to show
+LEAST = 20               # least number of commands in the documents
 
 
 @pytest.fixture(scope="module")
@@ -43,13 +43,13 @@ def shown(path):
     for block in re.findall(r"^```(?:console|bash)\n(.*?)^```", text, re.M | re.S):
         for line in block.replace("\\\n", " ").splitlines():
             place = re.search(r"(?:^|/|\s)scree-post (.*)", line)
-            if place:                                    # without a comment or a file behind it
+            if place:                                    # without a comment or a redirection after it
                 found.append(re.sub(r"\s+[#>] .*", "", place.group(1)))
     return found
 
 
 def words_of(line, options):
-    """The words of a command, with the program of this test, and a film that can be written."""
+    """The words of a command, with the program of this test, and a film in a format that can be written."""
     words = shlex.split(line)
     if words[0] == "sweep":
         words += ["--scree", str(options.scree), "--threads", "1"]
@@ -69,17 +69,18 @@ def words_of(line, options):
 
 
 def test_all(options):
-    """An example that does not work as it stands there."""
+    """An example that does not work as written."""
     commands = [line for path in DOCUMENTS for line in shown(path)]
     assert len(commands) >= LEAST, f"only {len(commands)} commands were found"
     examples = [line for name in COMMANDS for line in load(name).EXAMPLES]
     assert {line.split()[0] for line in commands} == set(COMMANDS), "a command that no page shows"
     for line in dict.fromkeys([*commands, *examples]):
         answer = call(*words_of(line, options), folder=options.work)
-        # other meshes differ; the package vtk need not be there
+        # other meshes differ; the package vtk may be missing
         if line.startswith("check ") and answer.returncode == report.NOT_RUN:
             report.skipped(f"the readers of VTK in '{line}'", "the package vtk is not installed")
-        # the short run has too few grains for a weak measure, which the command must say; it does all before
+        # the short run has too few grains for an accurate measurement; the command must say so, and print all its
+        # results before
         if line.startswith("grains ") and answer.returncode == 2 and "not above twice its error" in answer.stderr:
             report.skipped(f"the block of '{line}'", "the small cell does not resolve the measure")
             continue
@@ -89,7 +90,7 @@ def test_all(options):
 
 
 def test_scripts(options):
-    """The scripts of the page, which nobody ran."""
+    """The scripts of the page."""
     text = (case.ROOT / "doc/guide/post_processing.md").read_text(encoding="utf-8")
     here, found = os.getcwd(), {}
     try:

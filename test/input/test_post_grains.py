@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
 # timeout: 600
-"""scree-post grains gives the constants of synthetic runs back, within its own error bars, and refuses broken runs.
+"""scree-post grains recovers the constants of synthetic runs within its own error bars, and refuses damaged runs.
 
-Would catch: the start of a stage taken for steady shear, a sign lost in reversed shear, error bars of correlated rows
-that are too small, ages of contacts of an earlier stage taken for those of this one, a stop fitted by an exponential to
-zero, means over intervals taken for instantaneous values, G of one component alone, and a block that the program does
-not take or that does not make the stress it was fitted to.
+Would catch: the start of a stage included in steady shear, a sign lost in reversed shear, error bars of correlated rows
+that are too small, ages of contacts of an earlier stage included in those of a later one, a stress decay fitted by an
+exponential to zero, means over intervals taken for instantaneous values, G of one component alone, and a &material
+block that the program refuses or that does not give the fitted stress.
 """
 
 import csv
@@ -23,7 +23,7 @@ import synthetic_cell as cell
 from post_command import call
 from scree_post.grains import material, memory, relaxation, rheology, statistics
 
-BARS = 4.0               # error bars that a value may be off
+BARS = 4.0               # greatest deviation of a value in error bars
 
 
 def table(path):
@@ -33,13 +33,13 @@ def table(path):
 
 
 def within(name, value, error, truth, widest):
-    """A value is right within its error bars, and these are not too wide to mean anything."""
+    """A value agrees within its error bars, and the error bars are small enough to be useful."""
     assert 0.0 < error < widest * abs(truth), f"{name}: error bar {error:.3g} of {truth:.3g}"
     assert abs(value - truth) < BARS * error, f"{name}: {value:.5g} +- {error:.2g}, true {truth:.5g}"
 
 
 def fitted(options, name="run", *words, **how):
-    """A synthetic run and what the command makes of it."""
+    """A synthetic run and the results of the command."""
     folder = cell.write(options.work / name, **how)
     answer = call("grains", folder, *words)
     assert answer.returncode == 0 and not answer.stderr, answer.stderr
@@ -47,7 +47,7 @@ def fitted(options, name="run", *words, **how):
 
 
 def test_constants(options):
-    """A constant that is not the one of the run, or an error bar without meaning."""
+    """A constant that differs from that of the run, or a useless error bar."""
     folder, said = fitted(options)
     numbers = json.loads((folder / f"{cell.CASE}_fit.json").read_text(encoding="utf-8"))
     for name, truth, widest in (("mu_s", cell.MU_S, 0.05), ("a", cell.A, 0.3), ("phi_c", cell.PHI_C, 0.01),
@@ -94,7 +94,7 @@ def test_error_bars(options):
 
 @pytest.mark.tiers("full", "long")
 def test_curve(options):
-    """Another curve than mu_s + (mu_2 - mu_s)/(1 + I_0/I)."""
+    """Another function than mu_s + (mu_2 - mu_s)/(1 + I_0/I)."""
     x = np.array([0.003, 0.01, 0.03, 0.1, 0.3])
     y = 0.26 + 0.6 / (1.0 + 0.3 / x)
     found = rheology.curved(x, y, np.full(5, 1.0e-3))
@@ -103,7 +103,7 @@ def test_curve(options):
 
 @pytest.mark.tiers("full", "long")
 def test_laws_of_age(options):
-    """An exponent that is not that of the ages, a window that is forgotten."""
+    """An exponent that is not that of the ages, a time window that is ignored."""
     generator = np.random.default_rng(5)
     for beta in (0.6, 1.0, 1.6):
         # ages a of density exp(-a^beta): a^beta has the gamma distribution of 1/beta
@@ -116,7 +116,7 @@ def test_laws_of_age(options):
 
 @pytest.mark.tiers("full", "long")
 def test_block(options):
-    """A block that no deck takes, or whose stress is not that of the cell or of the closed solution."""
+    """A block that no deck accepts, or whose stress is not that of the cell or of the analytical solution."""
     folder, _ = fitted(options, "block", "--stage", "slow")
     keys = json.loads((folder / f"{cell.CASE}_fit.json").read_text(encoding="utf-8"))["material"]
     text = (folder / f"{cell.CASE}_material.nml").read_text(encoding="utf-8")
@@ -176,7 +176,7 @@ def test_several_runs(options):
 
 @pytest.mark.tiers("full", "long")
 def test_unnamed_stages(options):
-    """Stages without names of their own that are taken for one."""
+    """Stages without names that are treated as one."""
     folder, _ = fitted(options, "unnamed", stages=(cell.STAGES[0], ("stage", 0.1, 6.0, 600), ("stage", 0.05, 6.0, 600)))
     rows = table(folder / f"{cell.CASE}_shear.csv")
     assert [row["stage"] for row in rows] == ["stage 2", "stage 3"], rows
@@ -192,7 +192,7 @@ def refused(code, folder, *parts, words=()):
 
 
 def test_refusals(options):
-    """A traceback or a number where a run is broken: no folder, empty, no shear, a column or a file missing."""
+    """A traceback or a number for an incomplete run: no folder, an empty one, no shear, a missing column or file."""
     work = options.work
     refused(3, work / "absent", "no such folder", "scree --grains")
     (work / "empty").mkdir(exist_ok=True)

@@ -2,8 +2,8 @@
 # tiers: smoke
 """scree-post means: means of tables and of fields on the grid.
 
-Would catch rows outside of the times that count, an error bar of correlated rows that is that of independent ones,
-a drift that is not seen, and grids of another extent that are added in other cells.
+Would catch rows outside of the time window, an error bar of correlated rows that is that of independent ones, a drift
+that is not reported, and grids of another extent that are added to the wrong cells.
 """
 
 import h5py
@@ -12,7 +12,7 @@ import numpy as np
 import case
 import post_command
 
-# A block that flies through cells: the smallest box of cells that holds it moves along.
+# A block that flies through cells: the smallest box of cells that contains it moves with it.
 DECK = """
 &run  dimension='plane_strain' /
 &grid  lo=0,0,0  hi=3,1,1  dx=0.1 /
@@ -26,7 +26,7 @@ ROWS, MEMORY = 20000, 0.9
 
 
 def test_tables(options, sheet):
-    """A correlated series with a known error, and one that drifts."""
+    """A correlated series with a known error, and one with a drift."""
     noise = np.random.default_rng(1).standard_normal(ROWS)
     values = np.zeros(ROWS)
     for row in range(1, ROWS):
@@ -41,13 +41,14 @@ def test_tables(options, sheet):
     said = post_command.call("means", path, "--from", "2s", "--out", out).stdout
     sheet.require("ramp" in said and said.splitlines()[-1].endswith("drifts"), f"the ramp drifts: {said}")
     table = np.genfromtxt(out, delimiter=",", names=True, dtype=None, encoding="utf-8")
-    # the error of a mean of n rows with memory m per row: sigma/(1 - m)/sqrt(n), of which blocks find most
+    # the error of a mean of n rows with memory m per row is sigma/(1 - m)/sqrt(n); averaging over blocks finds most of
+    # it
     sheet.near("mean of the level", table["mean"][0], 3 + values[late].mean(), 1e-12)
     sheet.near("its error", table["error"][0], 10 / np.sqrt(late.sum()), 0.35)
 
 
 def test_grids(options, sheet):
-    """Cells keep their positions though files have boxes of their own."""
+    """Cells keep their positions although the files have different boxes."""
     run = case.Case(options, "flight", DECK).run("-q")
     out = options.work / "mean.hdf"
     post_command.call("means", run.path("_g.hdf.series"), "--out", out)

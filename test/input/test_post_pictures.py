@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
 # timeout: 600
-"""Tests of what scree-post draws and counts on small runs: picture, movie, radiograph, fragments.
+"""Tests of the pictures and numbers that scree-post makes from small runs: picture, movie, radiograph, fragments.
 
-Pictures are judged by their numbers. Each test says in its first line which bug it would catch.
+Pictures are checked by their numbers. The first line of each test states which bug it would catch.
 """
 
 import math
@@ -32,7 +32,7 @@ def options(file_options):
 
 
 def good(answer):
-    """The words of a call that must have gone well and must not have complained."""
+    """Output of a call that must succeed without a warning."""
     assert answer.returncode == 0 and not answer.stderr, f"{answer.returncode} {answer.stderr}"
     return answer.stdout
 
@@ -45,7 +45,7 @@ def pixels(path):
 
 
 def share_of(image, colour):
-    """Share of the pixels that have nearly this colour (0 to 255)."""
+    """Fraction of the pixels that have nearly this colour (0 to 255)."""
     return float((np.abs(image - np.array(colour)).max(axis=2) < 12).mean())
 
 
@@ -58,11 +58,11 @@ def body_page(options, name, *words):
 
 
 def test_plane_picture(options):
-    """Axes that are not equal, a body not drawn, z upside down, another time, matter with holes."""
+    """Axes with different scales, a body not drawn, z upside down, another time, gaps in the material."""
     image, left, right = body_page(options, "two_discs", "--time", "0")
     assert left > 0.04 and abs(left / right - 1.0) < 0.1, f"{left} {right} of two equal discs"
     blue = np.argwhere(np.abs(image - np.array((0, 114, 178))).max(axis=2) < 12)
-    disc = blue[blue[:, 1] < 0.5 * image.shape[1]]       # not the patch of the legend
+    disc = blue[blue[:, 1] < 0.5 * image.shape[1]]       # without the patch of the legend
     tall, wide = np.ptp(disc, axis=0)
     assert abs(tall / wide - 1.0) < 0.03, f"a disc is {wide} x {tall} pixels"
     assert disc[:, 0].mean() > 0.5 * image.shape[0], "the lower disc is not below"
@@ -74,11 +74,11 @@ def test_plane_picture(options):
 
 @pytest.mark.tiers("full", "long")
 def test_axisymmetric_picture(options):
-    """One half only, or halves that are not mirror images; --view or --bodies not obeyed."""
+    """One half only, or halves that are not mirror images; --view or --bodies ignored."""
     image, sphere, sheet = body_page(options, "debris_cloud", "--time", "0", "--title", "")
     assert sphere > 0.005 and sheet > 0.005
     orange = np.abs(image - np.array((213, 94, 0))).max(axis=2) < 12
-    matter_only = int(0.88 * image.shape[1])             # right of it stands the legend
+    matter_only = int(0.88 * image.shape[1])             # the legend is to the right of it
     columns = np.flatnonzero(orange[:, :matter_only].any(axis=0))
     middle = 0.5 * (columns.min() + columns.max())
     blue = np.argwhere(np.abs(image[:, :matter_only] - np.array((0, 114, 178))).max(axis=2) < 12)
@@ -91,7 +91,7 @@ def test_axisymmetric_picture(options):
 
 @pytest.mark.tiers("full", "long")
 def test_space_picture(options):
-    """Nothing drawn without a display, mirror images or a cut forgotten, a camera that is fixed."""
+    """Nothing drawn without a display, mirror images or a cut ignored, a camera that cannot be moved."""
     whole, sphere, sheet = body_page(options, "debris_cloud_3d", "--camera", "z")
     assert whole.std() > 20.0, "an empty page"
     base = options.work / "out" / "debris_cloud_3d"
@@ -102,7 +102,7 @@ def test_space_picture(options):
         good(call("picture", base, "--view", "-20mm", "20mm", "-20mm", "20mm", "--camera", "z",
                   "--colour", "failed", "--title", "", "--out", out, *words))
         image = pixels(out)
-        # shaded spheres: whatever is not grey, left of the legend
+        # shaded spheres: all that is not grey, left of the legend
         part = image[int(0.1 * len(image)):, :int(0.72 * image.shape[1])]
         found[name] = float((np.ptp(part, axis=2) > 40).mean())
     assert found["whole"] > 0.2, found
@@ -113,7 +113,8 @@ def test_space_picture(options):
 
 @pytest.mark.tiers("full", "long")
 def test_fragment_picture(options):
-    """A colour bar from 0 to the last number, two heavy fragments of one colour, dust as bright as pieces."""
+    """A colour bar from 0 to the last number, two heavy fragments of one colour, small fragments as bright as large
+    ones."""
     out = options.work / "fragments.png"
     base = options.work / "out" / "debris_cloud_3d"
     good(call("picture", base, "--colour", "fragment", "--camera", "z", "--title", "", "--out", out))
@@ -133,7 +134,7 @@ def test_fragment_picture(options):
 
 
 def frames_of(path):
-    """The pages of a film."""
+    """The frames of a film."""
     import subprocess
     if path.suffix == ".gif":
         from PIL import Image, ImageSequence
@@ -151,7 +152,7 @@ def frames_of(path):
 
 @pytest.mark.tiers("full", "long")
 def test_movie(options):
-    """A page missing, all pages the same, colours that change from page to page, half a film."""
+    """A frame missing, all frames the same, colours that change from frame to frame, half a film."""
     base = options.work / "out"
     times = [time for time, _ in scree_post.series(series(options.work, "two_discs"))]
     for name in ("discs.gif", "discs.mp4"):
@@ -176,7 +177,7 @@ def test_movie(options):
         assert min(changed) > 0.001, f"pages that do not differ: {changed}"
         bar = [page[page.shape[0] // 4:3 * page.shape[0] // 4, int(0.90 * page.shape[1]):]
                for page in pages]
-        most = 4.0 if out.suffix == ".mp4" else 0.0      # a .gif has one palette for all pages
+        most = 4.0 if out.suffix == ".mp4" else 0.0      # a .gif has one palette for all frames
         assert max(np.abs(one - bar[0]).mean() for one in bar) <= most, "the colour bar changes"
     assert not list(options.work.glob("*.part*"))
     good(call("movie", base / "two_discs", "--every", "5", "--from", "0.5", "--out",
@@ -187,7 +188,7 @@ def test_movie(options):
 
 @pytest.mark.tiers("full", "long")
 def test_turning_film(options):
-    """A camera that does not turn, a window that does, in three dimensions."""
+    """A camera that does not turn, or a window that changes, in three dimensions."""
     out = options.work / "turning.gif"
     good(call("movie", options.work / "out" / "debris_cloud_3d", "--turn", "90", "--every", "2",
               "--dpi", "50", "--colour", "body", "--out", out))
@@ -198,7 +199,7 @@ def test_turning_film(options):
 
 @pytest.mark.tiers("full", "long")
 def test_colours(options):
-    """A component taken for another, a range that strays stretch, signs that do not show."""
+    """The wrong component, a colour range stretched by outliers, signs that are not shown."""
     file = scree_post.series(series(options.work, "debris_cloud"))[-1][1]
     snap = scree_post.snapshot(file)
     velocity = snap.fields["velocity"].astype("f8")
@@ -223,7 +224,7 @@ def test_colours(options):
 
 @pytest.mark.tiers("full", "long")
 def test_radiograph(options):
-    """Mass lost between particles and picture on files of the program."""
+    """Mass lost between particles and picture for files of the program."""
     for name, copies in (("debris_cloud", 1.0), ("debris_cloud_3d", 4.0), ("two_discs", 1.0)):
         text = good(call("radiograph", options.work / "out" / name, "--frames", "2", "--dpi", "50",
                          "--pixel", "10" if name == "two_discs" else "0.5",
@@ -236,7 +237,7 @@ def test_radiograph(options):
 
 
 def lattice(corner, cells, step=1.0e-3):
-    """Points of a block of cells."""
+    """Particles of a block of cells."""
     axes = [step * (np.arange(count) + 0.5) for count in cells]
     return np.array(corner) + np.stack([g.ravel() for g in np.meshgrid(*axes)], axis=1)
 
@@ -257,7 +258,7 @@ def snapshot_of(options, points, dimension="3d", symmetry="", failed=None, echo=
 
 @pytest.mark.tiers("full", "long")
 def test_fragments_of_blocks(options):
-    """Blocks tied that are apart or parted that touch; masses, places, sizes of the wrong block."""
+    """Blocks joined that are separate or separated that touch; masses, positions, sizes of the wrong block."""
     points = np.concatenate([lattice((0, 0, 0), (4, 4, 4)), lattice((0, 0, 5.6e-3), (3, 3, 3)),
                              lattice((20e-3, 0, 0), (2, 1, 1))])
     random = np.random.default_rng(3).permutation(len(points))
@@ -290,7 +291,7 @@ def test_fragments_by_brute_force():
         reach = 0.6 * (width[:, None] + width[None, :])
         near = ((points[:, None, :] - points[None, :, :]) ** 2).sum(axis=2) <= reach ** 2
         mine = np.arange(count)
-        for _ in range(count):                           # labels flow until nothing changes
+        for _ in range(count):                           # labels spread until nothing changes
             lower = np.where(near, mine[None, :], count).min(axis=1)
             if np.array_equal(lower, mine):
                 break
@@ -302,10 +303,10 @@ def test_fragments_by_brute_force():
 
 @pytest.mark.tiers("full", "long")
 def test_fragments_at_faces(options):
-    """A piece across a mirror plane counted twice or halved, a piece cut at a periodic face."""
+    """A fragment across a mirror plane counted twice or halved, a fragment cut at a periodic boundary."""
     points = np.concatenate([lattice((0, 0, 0), (2, 2, 2)), lattice((6e-3, 0, 0), (1, 1, 1))])
     found = fragment_table.fragments_of(snapshot_of(options, points, symmetry="xlo ylo"))
-    # the lone one touches the plane y = 0, not x = 0
+    # the isolated fragment touches the plane y = 0, not x = 0
     assert [row[2] for row in found.rows] == [32, 2, 2], found.rows
     assert abs(found.total - 4.0 * 9.0e-6) < 1.0e-15
     assert np.allclose(found.rows[0][9:12], (0, 0, 3), atol=1e-12), "velocity of the whole"
@@ -327,7 +328,7 @@ def test_fragments_at_faces(options):
 
 @pytest.mark.tiers("full", "long")
 def test_fragments_are_rings(options):
-    """A ring of an axisymmetric run told as a lump: mass, radius, size of the cross-section."""
+    """A ring of an axisymmetric run reported as a compact body: mass, radius, size of the cross-section."""
     flat = lattice((4e-3, 0, 0), (3, 1, 3))
     flat[:, 1] = 0.0
     found = fragment_table.fragments_of(snapshot_of(options, flat, "axisymmetric"))
@@ -339,7 +340,7 @@ def test_fragments_are_rings(options):
 
 @pytest.mark.tiers("full", "long")
 def test_fragments_command(options):
-    """A table that does not hold the mass of the particles, or that cannot be read again."""
+    """A table without the mass of some particles, or one that cannot be read again."""
     table = options.work / "pieces.csv"
     for name, copies in (("debris_cloud_3d", 4.0), ("debris_cloud", 1.0)):
         text = good(call("fragments", options.work / "out" / name, "--all", "--table", table,
@@ -360,7 +361,7 @@ def test_fragments_command(options):
 
 
 def refused(answer, code, *parts):
-    """A call that must end with one line on standard error that holds some words."""
+    """A call that must end with one line on standard error that contains some words."""
     said = answer.stderr.strip().splitlines()
     assert answer.returncode == code and len(said) == 1, f"exit {answer.returncode}: {said}"
     assert all(part in said[0] for part in parts), f"{parts} not in: {said[0]}"
@@ -368,7 +369,7 @@ def refused(answer, code, *parts):
 
 @pytest.mark.tiers("full", "long")
 def test_mistakes(options):
-    """A trace instead of a sentence, no suggestion, a wrong exit code, half a picture."""
+    """A traceback instead of a message, no suggestion, a wrong exit code, half a picture."""
     discs, cloud = (options.work / "out" / name for name in ("two_discs", "debris_cloud_3d"))
     never = ("--out", options.work / "never.png")
     cases = [
@@ -405,7 +406,7 @@ def test_mistakes(options):
 
 @pytest.mark.tiers("full", "long")
 def test_missing_packages(options):
-    """A picture in space that needs vtk or a display, a trace where ffmpeg is not installed."""
+    """A 3-D picture that needs vtk or a display, a traceback where ffmpeg is not installed."""
     import importlib
 
     from scree import errors
@@ -435,7 +436,7 @@ def test_missing_packages(options):
 
 @pytest.mark.tiers("full", "long")
 def test_sample(options):
-    """A film whose window is that of its first page."""
+    """A film whose window is that of its first frame."""
     frames = scree_post.series(series(options.work, "debris_cloud"))
     files = view_options.sample(frames)
     assert files[0] == frames[0][1] and files[-1] == frames[-1][1] and len(files) == 6

@@ -2,12 +2,12 @@
 # tiers: smoke, full
 """Every command of scree-post on every kind of output, in each system of units, against the same run in SI.
 
-The run has the same bits whatever `output_units` is, so all that scree-post prints, writes and draws must be the
-same: words, units, names, and numbers to nine digits of which the last may be rounded otherwise.
+The run has the same bits for any `output_units`, so all that scree-post prints, writes and draws must be the same:
+words, units, names, and numbers to nine digits, of which the last may be rounded differently.
 
-Would catch: a time, a length, a column or a field that is taken for SI in a file of other units (times were wrong
-by 1e6), a unit in a table or a title that does not belong to its number, a sound run that `check` calls wrong, and a
-command that reads files by itself instead of through scree_post/units.py.
+Would catch: a time, a length, a column or a field that is taken for SI in a file in other units (times were wrong by
+1e6), a unit in a table or a title that does not belong to its number, a valid run that `check` reports as wrong, and a
+command that reads files directly instead of through scree_post/units.py.
 """
 
 import re
@@ -38,7 +38,7 @@ BODY = """
 """
 HEAD = "&run dimension = 'plane_strain'  title = 'A ball and a wall' /"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w])")
-CLOSE, NOISE = 1.0e-4, 1.0e-9      # of numbers of five digits; of the greatest number of a line
+CLOSE, NOISE = 1.0e-4, 1.0e-9      # for numbers of five digits; relative to the greatest number of a line
 
 
 def deck(system, units):
@@ -85,7 +85,7 @@ def commands(run):
 
 def studies(run, options):
     """The commands that run the program themselves."""
-    same = shutil.copy(run.deck, options.work / "study.nml")     # its name stands in the title
+    same = shutil.copy(run.deck, options.work / "study.nml")     # its name is in the title
     yield ["sweep", same, "--set", "material.poisson=0.2,0.3", "--scree", options.scree, "--outdir", "OUT/sweep",
            "--take", "time,kinetic,front_x,length,impulse_x"], ["sweep/sweep.csv", "sweep/sweep.png"]
     yield ["accuracy", same, "--quantity", "front_x", "kinetic:at=0.6us", "length", "ledger.energy_error",
@@ -94,7 +94,7 @@ def studies(run, options):
 
 
 def differences(one, two):
-    """Where two texts differ: other words, or numbers that are not the same."""
+    """Positions where two texts differ: other words, or numbers that are not the same."""
     lines = one.splitlines(), two.splitlines()
     if len(lines[0]) != len(lines[1]):
         return [f"{len(lines[0])} and {len(lines[1])} lines"]
@@ -109,13 +109,13 @@ def differences(one, two):
 
 
 def seconds_left_out(text):
-    """The words of a study without what depends on the machine: core-seconds, and what is forecast from them."""
+    """The output of a study without parts that depend on the machine: core-seconds, and forecasts from them."""
     kept = [line for line in text.splitlines() if "core-seconds" not in line or "cells [" in line]
     return "\n".join(re.sub(r"^( +\S+ +\d+ +\d+) +\S+", r"\1", line) for line in kept)
 
 
 def results(run, options, work, wanted):
-    """What all commands print, write and draw."""
+    """All output, files and pictures of all commands."""
     found = {}
     for words, files in wanted(run, options) if wanted is studies else wanted(run):
         shutil.rmtree(work, ignore_errors=True)
@@ -141,14 +141,14 @@ def picture(path):
 
 
 def table_text(data):
-    """A table without folders and times of the machine."""
+    """A table without folders and without times measured on the machine."""
     rows = [line.split(",") for line in data.decode("utf-8").splitlines()]
     drop = {column for column, head in enumerate(rows[0]) if head in ("folder", "core_seconds", "wall_s")}
     return "\n".join(" ".join(word for column, word in enumerate(row) if column not in drop) for row in rows)
 
 
 def compare(sheet, system, one, two):
-    """Everything of one system against SI."""
+    """All results of one system of units against those in SI."""
     sheet.require(list(one) == list(two), f"{system}: {len(two)} commands, {len(one)} in SI")
     for name in one:
         wrong = []

@@ -3,14 +3,14 @@
 # cores: 2
 """`scree --preview`, the file of walls of each run, and both in pictures.
 
-Would catch: a rigid region that is drawn too large, too small or elsewhere, cut at the box where it moves in later, or
-left where it began; a face or a part of one with the wrong type, extent or time; a file that VTK does not read, or
-that depends on the number of ranks or on units; a preview that makes steps, touches results, fails in a folder with an
-odd name, draws nothing, or keeps silent where it cannot draw.
+Would catch: a rigid region that is drawn too large, too small or elsewhere, cut at the box where it enters later, or
+left at its initial position; a boundary or a part of one with the wrong type, extent or time; a file that VTK does not
+read, or that depends on the number of ranks or on units; a preview that makes steps, changes results, fails in a folder
+with an unusual name, draws nothing, or does not say so where it cannot draw.
 
-Limits. Corners of pieces lie on the surface to the rounding of 40 halvings. A chord of length L = sqrt(2) h of a
-circle of radius r cuts off L^2/(12 r^2) of the area at most in the mean over the chord's place, L^2/(6 r^2) at worst;
-triangles of a sphere with edges up to sqrt(3) h lose up to (sqrt(3) h)^2/(4 r^2) of its area.
+Limits. Corners of facets are on the surface to the rounding of 40 bisections. A chord of length L = sqrt(2) h of a
+circle of radius r cuts off L^2/(12 r^2) of the area in the mean over its positions, L^2/(6 r^2) at worst; triangles of
+a sphere with edges up to sqrt(3) h lose up to (sqrt(3) h)^2/(4 r^2) of its area.
 """
 
 import math
@@ -79,7 +79,7 @@ AXIS = """
 &body name='ball' region='ball' material='al' /
 &boundary region='plate' type='stick' /
 """
-FINE = 1.0e-9            # of the size of a set: 40 halvings of a step
+FINE = 1.0e-9            # relative to the size of a set: 40 bisections of a step
 
 
 def all_walls(path):
@@ -89,7 +89,7 @@ def all_walls(path):
 
 
 def walls_in(path):
-    """Walls of a file by label; of a face that comes and goes the time at which it is there at the end."""
+    """Walls of a file by label; for a wall that appears or disappears, the time at which it is present at the end."""
     return {wall.label: wall for wall in all_walls(path)[::-1]}
 
 
@@ -110,7 +110,7 @@ def surface_of(triangles):
 
 
 def plane(options, sheet):
-    """Surfaces, parts, times and ways in a plane, in two systems of units and on two ranks."""
+    """Surfaces, parts, times and paths in a plane, in two systems of units and on two ranks."""
     runs = [case.Case(options, name, PLANE.format(units=units), ranks=ranks) for name, units, ranks in (
         ("one", "si", 1), ("deck", "deck", 1), ("two", "si", 2))]
     runs[2].name = "one"                                 # in another folder
@@ -183,12 +183,12 @@ def pixels(path):
 
 
 def share(image, colour):
-    """Share of the pixels of about a colour."""
+    """Fraction of the pixels that have about a given colour."""
     return float((np.abs(image - np.array(colour)).max(axis=2) < 12).mean())
 
 
 def pictures(sheet, run):
-    """Walls are in pictures, where they are at that time, and can be left out."""
+    """Walls are in pictures, at their positions at that time, and can be left out."""
     view = ("--view", "0", "40mm", "0", "20mm", "--dpi", "60")
     found = {}
     for name, words in {"start": ("--time", "0"), "end": ()}.items():
@@ -199,9 +199,9 @@ def pictures(sheet, run):
             sheet.require(answer.returncode == 0, f"picture at the {name}: {answer.stderr}")
             images.append(pixels(out))
         found[name] = float((np.abs(images[0] - images[1]).max(axis=2) > 12).mean())
-    # 60 mm2 of the piston and 57 mm2 of the hill are 15 % of the window, which is half of the page at least
+    # 60 mm2 of the piston and 57 mm2 of the hill are 15 % of the window, which is at least half of the page
     sheet.above("share of rigid regions in the first picture", found["start"], 0.07)
-    # the piston then covers 140 mm2, and the hill has gone
+    # at that time the piston covers 140 mm2, and the hill has disappeared
     sheet.near("growth of rigid regions to the end", found["end"] / found["start"], 140.0 / 116.5, 0.1)
 
 
@@ -225,7 +225,7 @@ def test_line_and_space(options, sheet):
 
 
 def previews(options, sheet, run):
-    """Previews of all dimensions: a picture each, no step, results untouched, odd folders."""
+    """Previews in all dimensions: one picture each, no step, results unchanged, unusual folder names."""
     folder = options.work / "Über sicht"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -274,6 +274,6 @@ def previews(options, sheet, run):
 
 
 def test_preview(options, sheet):
-    """All of it."""
+    """All tests of previews."""
     run = plane(options, sheet)
     previews(options, sheet, run)

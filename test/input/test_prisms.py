@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Prisms of polygons, in plane scenes and in space, and polygons that are none.
+"""Prisms of polygons, in plane and 3-D scenes, and invalid polygons.
 
 Would catch coordinates of the polygon in the wrong order, an edge that is crossed twice or not at all at a corner,
-prisms side by side that share points or leave some out, an end that counts twice, and a polygon that crosses itself
-and is filled all the same.
+adjacent prisms that share particles or omit some, an end that is included twice, and a polygon that crosses itself and
+is accepted.
 """
 
 import numpy as np
@@ -38,7 +38,7 @@ class TestPrisms:
 
     def run_of(self, options, name, shape, dimension="plane_strain", dx=0.03125, packing="", flags=("--quiet",),
                expect=0):
-        """A run of no steps."""
+        """A run of zero steps."""
         deck = DECK.format(dimension=dimension, dx=dx, shape=shape, packing=packing)
         return case.Case(options, name, deck).run(*flags, expect=expect)
 
@@ -47,7 +47,7 @@ class TestPrisms:
         return {tuple(point) for point in run.snapshots()[-1][1].points}
 
     def test_the_area(self, options, sheet):
-        """Sites cut at the edges hold the area of the polygon; whole ones come near it; both ways round."""
+        """Sites cut at the edges have the area of the polygon; whole sites approximately so; for both orientations."""
         for name, corners in [("hook", HOOK), ("back", HOOK[::-1]), ("closed", np.append(HOOK, HOOK[:1], axis=0))]:
             with sheet.part(name):
                 run = self.run_of(options, name, text(corners))
@@ -60,7 +60,7 @@ class TestPrisms:
         assert abs(told / area(HOOK) - 1.0) <= 0.5e-5
 
     def test_on_the_lattice(self, options):
-        """Edges that meet the points of the lattice: the half of a rectangle and its other half are all of it."""
+        """Edges through lattice points: two halves of a rectangle together have all of its particles."""
         shift = "  translate = 0.015625 0 0.015625"
         wanted = self.run_of(options, "whole", "polygon = 0 0  0.75 0  0.75 0.5  0 0.5" + shift)
         lower = self.run_of(options, "lower", TRIANGLE + shift)
@@ -71,7 +71,7 @@ class TestPrisms:
         assert min(len(self.points(lower)), len(self.points(upper))) > 750
 
     def test_axes_in_space(self, options):
-        """The coordinates of the polygon are those other than the axis, in order; the end is not part of it."""
+        """The coordinates of the polygon are those other than the axis, in order; the upper end is excluded."""
         for axis, order in [(0, (1, 2)), (1, (0, 2)), (2, (0, 1))]:
             direction = [int(k == axis) for k in range(3)]
             shape = f"{TRIANGLE}  axis = {direction[0]} {direction[1]} {direction[2]}  span = 0.125 0.5"
@@ -86,14 +86,14 @@ class TestPrisms:
             assert len(found) > 200
 
     def test_scaled_and_turned(self, options):
-        """A turn about the axis and a factor: the area is that of the turned polygon."""
+        """A rotation about the axis and a scale factor: the area is that of the transformed polygon."""
         shape = text(HOOK) + "  scale = 0.7  rotate = 0 30 0  translate = 0 0 0.35"
         run = self.run_of(options, "turned", shape, packing="packing = 'cut'")
         mass = run.snapshots()[-1][1].fields["mass"].sum() / 1000
         assert abs(mass / (0.49 * area(HOOK)) - 1) < 0.002
 
     def test_refused(self, options, sheet):
-        """Each with its line, and what to write instead."""
+        """Each refusal has its line, and states what to write instead."""
         for name, shape, dimension, message in [
                 ("odd", "polygon = 0 0  1 0  1", "plane_strain", "polygon has 5 numbers, but each corner needs two"),
                 ("two", "polygon = 0 0  1 0", "plane_strain", "a polygon needs at least three corners"),

@@ -2,11 +2,11 @@
 # tiers: smoke, full
 # timeout: 600
 # cores: 2
-"""The Python package in the folder python: its own tests by pytest, its style by ruff, its types by mypy, and that it
-can be installed.
+"""The Python package in the folder python: its tests by pytest, its style by ruff, its types by mypy, and its
+installation.
 
-Would catch what the tests in python/tests catch, a function without types, a module that an installation lacks, a
-dependency that is imported and not listed, and a wheel without licence or with another version than the program.
+Would catch failures of the tests in python/tests, a function without types, a module that an installation lacks, a
+dependency that is imported but not listed, and a wheel without licence or with another version than the program.
 """
 
 import ast
@@ -43,7 +43,7 @@ def names_and_ranges(text):
 
 
 def test_dependencies(sheet):
-    """What the package imports is listed in python/pyproject.toml, and no second list exists."""
+    """All imported packages are listed in python/pyproject.toml, and there is no second list."""
     project = (FOLDER / "pyproject.toml").read_text(encoding="utf-8")
     listed = names_and_ranges(re.search(r"^dependencies = \[(.*?)^\]", project, re.M | re.S).group(1))
     sheet.above("dependencies", len(listed), 4)
@@ -54,7 +54,7 @@ def test_dependencies(sheet):
     if sys.version_info < (3, 10):
         sheet.skipped("imports", "this Python does not list its own modules")
         return
-    own = {"scree", "scree_post", "PIL", "numpy.typing"}  # Pillow comes with matplotlib
+    own = {"scree", "scree_post", "PIL", "numpy.typing"}  # Pillow is installed with matplotlib
     for path in sorted((FOLDER / "src").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else \
@@ -66,7 +66,7 @@ def test_dependencies(sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_installation(options, sheet):
-    """The package can be installed, and needs nothing of the repository then."""
+    """The package can be installed, and then works without the repository."""
     if not importlib.util.find_spec("hatchling"):
         pytest.skip("hatchling is not installed; scripts/setup.sh installs it")
     place = options.work / "place"

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: full
-"""The files of a release: one version, the same bytes twice, all parts with a licence.
+"""The files of a release: one version, the same bytes in two builds, all parts with a licence.
 
-Would catch: a version that was raised in one place only, an archive with times of files, a recipe without the checksum
-of the archive, a checksum that is missing, and a library or package that the program or the wheel needs and that the
-list of parts (SBOM) lacks.
+Would catch: a version that was increased in one file only, an archive with time stamps of files, a recipe without the
+checksum of the archive, a checksum that is missing, and a library or package that the program or the wheel needs and
+that the list of parts (SBOM) lacks.
 """
 
 import hashlib
@@ -39,7 +39,7 @@ def checksum(path):
 
 
 def test_one_version():
-    """CMakeLists.txt has the version; what other tools read must agree with it."""
+    """The version in CMakeLists.txt and those in files of other tools are the same."""
     found = {name: re.search(pattern, (case.ROOT / name).read_text(encoding="utf-8"), re.M).group(1)
              for name, pattern in (
                  ("CITATION.cff", r"^version: (\S+)$"), ("README.md", r"^Version ([\d.]*\d)"),
@@ -109,7 +109,7 @@ class TestRelease:
             assert {"scree/__init__.py", "scree_post/command.py"} <= set(wheel.namelist())
 
     def test_not_committed(self, clone, options):
-        """Would catch a release of sources that are in no commit."""
+        """Would catch a release of sources that are not committed."""
         (clone / "new.txt").touch()
         answer = subprocess.run([clone / "scripts/release.sh", options.work / "no"], text=True, capture_output=True,
                                 check=False)
@@ -119,11 +119,11 @@ class TestRelease:
 
 
 class TestParts:
-    """The list of parts."""
+    """The list of parts (SBOM)."""
 
     @pytest.fixture(scope="class")
     def parts(self, file_options):
-        """The document of the program that is tested."""
+        """The list for the tested program."""
         if not shutil.which("dpkg-query"):
             pytest.skip("there is no dpkg")
         path = file_options.work / "parts.json"
@@ -154,7 +154,7 @@ class TestParts:
         assert all(part["licenses"][0]["expression"] for part in found.values())
 
     def test_form(self, parts):
-        """The document follows the schema of CycloneDX."""
+        """The list follows the schema of CycloneDX."""
         validation = pytest.importorskip("cyclonedx.validation.json", reason="cyclonedx-python-lib is not installed")
         from cyclonedx.schema import SchemaVersion
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
 # cores: 2
-"""scree --self-test: what it finds, what it leaves behind, what it needs.
+"""scree --self-test: detected errors, leftover files, requirements.
 
-Would catch: a self-test that passes with wrong digests, digests that were not renewed after a change of results, files
-that are left over or written elsewhere, a failure without exit code or code of a message, and a use of the network.
+Would catch: a self-test that passes with wrong digests, digests that were not updated after a change of results, files
+that are left over or written elsewhere, a failure without exit code or message code, and a use of the network.
 """
 
 import os
@@ -25,7 +25,7 @@ CONNECTION = re.compile(r'connect\(\d+, \{sa_family=AF_INET6?, .*?"([\d.:a-f]+)"
 
 
 def self_test(program, folder, *words, before=(), code=0, **more):
-    """Output and errors of a self-test in an empty folder, whose temporary files belong into its folder tmp."""
+    """Output and errors of a self-test in an empty folder, whose subfolder tmp is for its temporary files."""
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "tmp").mkdir(parents=True)
     (folder / "here").mkdir()
@@ -40,7 +40,7 @@ def self_test(program, folder, *words, before=(), code=0, **more):
 
 
 def kind_of(output):
-    """Kind of the build that a self-test names."""
+    """Kind of the build that a self-test prints."""
     return re.search(r"^self-test scree [^,]+, ([^,]+), ", output, re.M).group(1)
 
 
@@ -48,7 +48,7 @@ class TestSelfTest:
     """The self-test of the program that is tested."""
 
     def test_passes(self, options):
-        """Would catch a scene that is not run, and one in which nothing happens."""
+        """Would catch a scene that is not run, and one in which nothing moves."""
         said, wrong = self_test(options.scree, options.work / "whole")
         rows = ROW.findall(said)
         decks = sorted(path.stem for path in FILE.parent.glob("*.nml"))
@@ -60,7 +60,7 @@ class TestSelfTest:
         assert wrong == ""
 
     def test_digests_are_renewed(self, options):
-        """The digests of the file are those of this build; those of GCC 12 on x86-64 are always there."""
+        """The recorded digests are those of this build; those of GCC 12 on x86-64 are always recorded."""
         answer = subprocess.run([sys.executable, case.ROOT / "scripts/self_test_digests.py", "--check", "--scree",
                                  options.scree], text=True, capture_output=True, check=False,
                                 env={**os.environ, **case.OPEN_MPI})
@@ -85,7 +85,7 @@ class TestSelfTest:
         assert len(digests) > 5
 
     def test_wrong_digest(self, options):
-        """A program in which one recorded digest is another one fails, and says where."""
+        """A program in which one recorded digest is wrong fails, and reports the scene."""
         said, _ = self_test(options.scree, options.work / "right")
         rows = [line.split(",") for line in FILE.read_text(encoding="utf-8").splitlines()]
         digest = {tuple(row[:2]): row[2] for row in rows}.get((kind_of(said), "sand"))
@@ -93,7 +93,7 @@ class TestSelfTest:
             pytest.skip(f"no digests of {kind_of(said)} are recorded")
         program = options.work / "other/bin/scree"
         program.parent.mkdir(parents=True, exist_ok=True)
-        # the compiler may have cut the text into words of eight letters
+        # the compiler may have split the text into parts of eight characters
         text = options.scree.read_bytes()
         assert text.count(digest[:8].encode()) == 1
         program.write_bytes(text.replace(digest[:8].encode(), b"00000000"))
@@ -110,20 +110,21 @@ class TestSelfTest:
         assert self_test(options.scree, options.work / "quiet", "-q") == ("", "")
 
     def test_no_room(self, options):
-        """Files that cannot be written are failures with their reason, without the path of the removed folder."""
+        """Files that cannot be written are reported as failures with their reason, without the path of the removed
+        folder."""
         program = ["sh", "-c", 'ulimit -f 8; exec "$@"', "sh"]
         _, wrong = self_test(options.scree, options.work / "short", before=program, code=5, **confine.NO_SHARED_FILES)
         assert "discs runs" in wrong
         assert re.search(r"^ +cannot \w+ .*'discs/whole/.*\[F\d+\]$", wrong, re.M), wrong
 
     def test_takes_no_deck(self, options):
-        """Would catch a deck that is silently ignored."""
+        """Would catch a deck on the command line that is ignored without a message."""
         _, wrong = self_test(options.scree, options.work / "deck", "scene.nml", code=2)
         assert "--self-test takes no deck" in wrong
 
     @pytest.mark.tiers("full")
     def test_no_network(self, options):
-        """The program works without a network, and asks no other machine for anything."""
+        """The program works without a network, and connects to no other machine."""
         # Open MPI needs the loopback device, even for one rank
         alone = ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
         if subprocess.run([*alone, "true"], check=False, capture_output=True).returncode:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
 # cores: 2
-"""scree-bench: numbers, tables and comparisons from made-up runs, and its smallest case from end to end.
+"""scree-bench: numbers, tables and comparisons from artificial measurements, and its smallest case as a whole.
 
-No time of a run is judged. Each test says in its first line which bug it would catch.
+No run time is checked. The first line of each test states which bug it would catch.
 """
 
 import copy
@@ -52,7 +52,7 @@ def whole(spent=300.0, copied=20.0, names=("block_ddmp", "metal_mpm", "block_ddm
 
 
 def places(held, where=()):
-    """Ways to all values of a file, from the outside."""
+    """Key paths to all values of a file, outermost key first."""
     pairs = held.items() if isinstance(held, dict) else enumerate(held) if isinstance(held, list) else ()
     for key, inner in pairs:
         yield (*where, key)
@@ -60,7 +60,7 @@ def places(held, where=()):
 
 
 def call(options, *words, code=0):
-    """What the command prints, on both streams."""
+    """Output of the command on both streams."""
     answer = subprocess.run([str(options.scree.parent / "scree-bench"), *map(str, words)], cwd=options.work / FOLDER,
                             text=True, capture_output=True, check=False, timeout=250,
                             env={**os.environ, **case.OPEN_MPI, "SCREE": ""})
@@ -78,7 +78,7 @@ class TestNumbers:
         self.one = self.entry[0]["programs"][0]
 
     def test_best_of_the_runs(self):
-        """Would catch the time of the slowest or the mean of the runs, and another number of nanoseconds."""
+        """Would catch the time of the slowest run or the mean of the runs, and another number of nanoseconds."""
         assert abs(self.one["ns"] - 300.0) <= 0.5e-9
         assert abs(self.one["ns_median"] - 390.0) <= 0.5e-9
         assert abs(self.one["ns_most"] - 600.0) <= 0.5e-9
@@ -94,7 +94,7 @@ class TestNumbers:
         assert "output" not in parts
 
     def test_phases_of_all_runs(self):
-        """Would catch phases of one run alone, whose few samples of the laws scatter."""
+        """Would catch phases of a single run, whose few samples of the laws scatter."""
         entry = result.started(cases.plan("line")[0], "d", "", 1)
         entry["programs"][0]["runs"] = [raw(1, 300.0), raw(2, 310.0, timers={"grid": 0.75, "output": 9.0})]
         result.finish(entry)
@@ -103,14 +103,15 @@ class TestNumbers:
         assert abs(parts["nodes"] - (300.0 * 1.25 / 5.0)) <= 0.5e-9
 
     def test_printed_phases_add_up(self):
-        """Would catch a table whose phases do not add up to its time, to half a nanosecond a column."""
+        """Would catch a table whose phases do not add up to its time, to half a nanosecond per column."""
         heads, rows = tables.speed_rows(whole())
         first, last = heads.index("+%") + 1, heads.index("bytes")
         for row in rows:
             assert abs(sum(map(float, row[first:last])) - float(row[3])) <= 0.5 * (last - first + 1)
 
     def test_copy_is_of_one_core(self):
-        """Would catch the copy of two threads beside the time of one core, and a ratio with the wrong power of ten."""
+        """Would catch the memory bandwidth of two threads beside the time of one core, and a ratio with the wrong power
+        of ten."""
         for entry in self.entry:
             one = entry["programs"][0]
             assert abs(one["copy_gb_s"] - 20.0) <= 0.5e-9
@@ -129,7 +130,7 @@ class TestNumbers:
         assert "| debris |" not in tables.markdown(found)
 
     def test_turns(self):
-        """Would catch a ratio that is upside down, runs of different repeats in one ratio, and a wrong verdict."""
+        """Would catch an inverted ratio, runs of different repetitions in one ratio, and a wrong verdict."""
         found = whole(spent=300.0, other=600.0)
         for entry in found["results"]:
             assert abs(entry["turns"]["median"] - 2.0) <= 0.5e-9
@@ -160,7 +161,8 @@ class TestComparison:
         assert rows[0][3] == "0.50"
 
     def test_missing_rows(self):
-        """Would catch a case that is in one file only and is passed over in silence, or compared with another deck."""
+        """Would catch a case that is in one file only and is skipped without a message, or compared with another
+        deck."""
         fewer = whole(names=("block_ddmp",))
         for first, second, which in ((whole(), fewer, "second"), (fewer, whole(), "first")):
             rows, _, missing = tables.compared(first, second, 1.25)
@@ -175,7 +177,7 @@ class TestComparison:
 
 
 class TestCommand:
-    """The command as users have it, in a folder with a blank and an umlaut in its name."""
+    """The command as installed, in a folder with a blank and an umlaut in its name."""
 
     @pytest.fixture(autouse=True)
     def made(self, options):
@@ -201,8 +203,8 @@ class TestCommand:
         assert re.findall(r"^debris_\S+", listed, re.M) == ["debris_1x4", "debris_4x2"]
 
     def test_one_case(self, options):
-        """Would catch a command that finds neither scree nor the copy, an empty or damaged file, a page that lost its
-        text, and scratch files that stay."""
+        """Would catch a command that finds neither scree nor the memory benchmark, an empty or damaged file, a page
+        without its text, and temporary files that are not removed."""
         page = options.work / FOLDER / "page.md"
         page.write_text(f"before\n{tables.BEGIN}\nold\n{tables.END}\nafter\n", encoding="utf-8")
         said = call(options, "--only", "axisymmetric_mpm", "--repeat", "1", "--out", "one.json", "--markdown", page,
@@ -222,7 +224,7 @@ class TestCommand:
         assert "no case is more than 1.25 times slower" in call(options, "--compare", "one.json", "one.json")[0]
 
     def test_decks(self, options):
-        """Would catch a case that the program refuses: all decks of both sizes are checked, nothing is run."""
+        """Would catch a case that the program refuses: all decks of both sizes are checked, none is run."""
         bench = measure.Bench([machine.program(str(options.scree))], "", options.work / FOLDER / "decks")
         for size in cases.SIZES:
             bench.size, bench.decks = size, {}
@@ -244,7 +246,7 @@ class TestCommand:
         assert "--size small" in call(options, "--compare", "a.json", "full.json", code=2)[1]
 
     def test_mistakes(self, options):
-        """Would catch a traceback, or a message that does not say what to do, where the user made a mistake."""
+        """Would catch a traceback, or a message without a remedy, for a mistake of the user."""
         (options.work / FOLDER / "text.json").write_text("no json", encoding="utf-8")
         (options.work / FOLDER / "other.json").write_text("{}", encoding="utf-8")
         damaged = copy.deepcopy(whole())
@@ -277,7 +279,7 @@ class TestCommand:
         assert (options.work / FOLDER / "plain.md").read_text(encoding="utf-8") == "text\n"
 
     def test_damaged_files(self, options):
-        """Would catch a traceback for a file that lacks a key, or has another kind of value there."""
+        """Would catch a traceback for a file that lacks a key, or has a value of another type."""
         path, refused, tried = options.work / FOLDER / "broken.json", 0, 0
         for where in places(whole(names=("block_ddmp",), other=200.0)):
             for value in (None, "text", 0, [], {}):
@@ -299,7 +301,7 @@ class TestCommand:
         assert refused > 100
 
     def test_layout_that_cannot_run(self, options):
-        """Would catch a layout of more cores than there are that is measured, or left out without a word."""
+        """Would catch a layout with more cores than the machine has that is measured, or skipped without a message."""
         said = call(options, "--only", "line,block_mpm_1x4000", "--layouts", "1x4000", "--repeat", "1",
                     "--out", "two.json")[0]
         assert "block_mpm_1x4000: skipped, needs 4000 cores" in said
@@ -308,7 +310,7 @@ class TestCommand:
 
 
 class TestMachine:
-    """What programs and the processor say of themselves."""
+    """Information about programs and the processor."""
 
     def test_version(self, options):
         """Would catch a version, commit, compiler or flags that are read wrongly."""
@@ -327,7 +329,7 @@ class TestMachine:
         assert machine.program(str(options.scree)).build[:1].isupper()
 
     def test_processor(self):
-        """Would catch a processor without a name, and vectors of another one."""
+        """Would catch a processor without a name, and another vector length."""
         text = "model name\t: AMD EPYC  9B14\nflags\t\t: fpu sse2 avx avx2\nmodel name\t: b\n"
         assert (machine.processor_name(text), machine.vectors(text)) == ("AMD EPYC 9B14", "AVX2")
         assert machine.vectors(text.replace("avx2", "avx2 avx512f")) == "AVX-512"

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
 # cores: 2
-"""How many threads a run has, how they wait, and what it says when others have its cores.
+"""Number of threads of a run, their waiting policy, and the warning when other processes use its cores.
 
-Would catch: threads without work in a small scene, a number that the user has set and that is not taken; threads that
-wait without giving their core away although nobody asked for it, and a wish of the user that is not respected; a
-program that begins again and then has lost a word of its command line, its number or a signal, or begins again for
-ever; a run without processor time that does not say so, or says so twice; studies that run one deck at a time.
+Would catch: threads without work in a small scene, and a number set by the user that is ignored; threads that wait
+without releasing their core by default, and a setting of the user that is overridden; a program that restarts itself
+and then has lost an option of its command line, its process number or a signal, or restarts without end; a run without
+processor time that does not warn, or warns twice; studies that run only one deck at a time.
 """
 
 import os
@@ -39,7 +39,7 @@ LARGE = DECK.replace("{dx}", "0.02")     # 40000 particles
 
 
 def clean(**more):
-    """An environment in which nobody has said how threads are to be."""
+    """An environment without any setting of threads."""
     return {**{name: value for name, value in os.environ.items() if name not in SETTINGS}, **case.OPEN_MPI, **more}
 
 
@@ -47,7 +47,7 @@ class TestThreads:
     """Runs with and without settings of the user."""
 
     def threads(self, options, name, deck, **more):
-        """Threads that the summary of a run reports, and the run."""
+        """Number of threads in the summary of a run, and the run."""
         run = case.Case(options, name, deck.format(steps=2))
         answer = subprocess.run(run.command(), env=clean(**more), cwd=run.folder, text=True, capture_output=True,
                                 timeout=250, check=False)
@@ -56,7 +56,8 @@ class TestThreads:
         return run.summary["threads"], run
 
     def test_as_many_as_the_scene_keeps_busy(self, options):
-        """One for few particles, all cores for many, and whatever OMP_NUM_THREADS says; the same bits."""
+        """One thread for few particles, all cores for many, and the number in OMP_NUM_THREADS if it is set; the same
+        bits."""
         few, run = self.threads(options, "small", SMALL)
         assert few == 1
         if CORES > 1:
@@ -68,7 +69,7 @@ class TestThreads:
 
     @pytest.fixture(autouse=True)
     def made(self):
-        """No run is left behind."""
+        """Ensures that no process of the test is left running."""
         self.children = []
         yield
         for child in self.children:
@@ -89,16 +90,16 @@ class TestThreads:
         return run, child
 
     def stop(self, child):
-        """What a run says that is asked to leave by a signal."""
+        """Output of a run that is stopped by a signal."""
         child.send_signal(signal.SIGTERM)
         said, _ = child.communicate(timeout=200)
         assert child.returncode == 75, said
         return said
 
     def test_waiting(self, options, sheet):
-        """Threads that wait for long give their core away, unless the user wants it otherwise. The program begins again
-        in the same process, with all of its words, and obeys signals."""
-        # with two threads the words are the same after the program has begun again
+        """Threads that wait for long release their core, unless the user sets otherwise. The program restarts itself in
+        the same process, with all of its options, and handles signals."""
+        # with two threads the options are the same after the program has restarted itself
         odd = ("--set", "run.title='a title with \"quotes\", blänks and = signs'", "-q")
         for name, more, expected in (("default", {}, "10000"), ("own", {"GOMP_SPINCOUNT": "7"}, "7"),
                                      ("policy", {"OMP_WAIT_POLICY": "passive"}, None),
@@ -117,7 +118,7 @@ class TestThreads:
         self.stop(child)
 
     def test_without_processor(self, options):
-        """A run that stands still for longer than all it has worked says so, once, with what to do."""
+        """A run that is suspended for longer than it has worked warns once, with the remedy."""
         run, child = self.started(options, "starved", SMALL, "-q", OMP_NUM_THREADS="1")
         begin = time.monotonic()
         child.send_signal(signal.SIGSTOP)
@@ -136,7 +137,7 @@ class TestThreads:
         assert run.output == ""
 
     def test_studies(self):
-        """A run of a study has one thread, and as many run at a time as there are cores."""
+        """A run of a study has one thread, and there are as many runs at a time as cores."""
         before = os.environ.pop("OMP_NUM_THREADS", None)
         try:
             assert (program.threads_of_a_run(), program.jobs_for(1)) == (1, CORES)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Regions of voxels: what they hold, from HDF5 and from MetaImage, moved and turned, and files that are broken.
+"""Regions of voxels: the particles in them, from HDF5 and from MetaImage, translated and rotated, and broken files.
 
-Would catch axes or edges of voxels in the wrong order, an origin that is taken for the middle of a voxel, numbers read
-with the wrong sign, width or order of bytes, bits of the mask that are packed and asked for differently, ranks that see
-another solid, and a broken file that is taken for a whole one.
+Would catch axes or edges of voxels in the wrong order, an origin that is taken for the centre of a voxel, numbers read
+with the wrong sign, width or byte order, bits of the mask that are written and read differently, ranks with different
+solids, and a broken file that is accepted.
 """
 
 import h5py
@@ -24,7 +24,7 @@ TYPES = {"i1": "MET_CHAR", "u1": "MET_UCHAR", "i2": "MET_SHORT", "u2": "MET_USHO
 
 
 def image(voxels, edge, corner, order="<", name="LOCAL", more=""):
-    """A MetaImage, voxels[z, y, x]; its Offset is the middle of the first voxel."""
+    """A MetaImage of voxels[z, y, x]; its Offset is the centre of the first voxel."""
     n = voxels.ndim
     texts = {key: " ".join(repr(float(x)) for x in value)
              for key, value in (("ElementSpacing", edge), ("Offset", np.add(corner, np.multiply(0.5, edge))))}
@@ -41,7 +41,7 @@ class TestVoxels:
     """Particles of the first state."""
 
     def run_of(self, options, name, files, more="", ranks=1, flags=("--quiet",), expect=0, file=None, **scene):
-        """A run of no steps. `files` are bytes, or data sets with their attributes, by name."""
+        """A run of zero steps. `files` are bytes, or data sets with their attributes, by name."""
         scene = {"dimension": "3d", "system": "si", "size": 1, "dx": 0.0625, **scene}
         shape = f"shape = 'voxel'  file = '{file or next(iter(files))}'  {more}"
         run = case.Case(options, name, DECK.format(shape=shape, **scene), ranks)
@@ -60,20 +60,20 @@ class TestVoxels:
         return points[np.lexsort(points.T)]
 
     def box_of(self, options, lo, hi, **scene):
-        """Points of a box, sorted."""
+        """Particles of a box, sorted."""
         scene = {"dimension": "3d", "system": "si", "size": 1, "dx": 0.0625, **scene}
         shape = "shape = 'box'  lo = {} {} {}  hi = {} {} {}".format(*lo, *hi)
         return self.points(case.Case(options, "box", DECK.format(shape=shape, **scene)).run("--quiet"))
 
     def block(self):
-        """Voxels of other numbers along each axis; a block of twos in ones in threes: [z, y, x]."""
+        """Voxels of different numbers along each axis: a block of twos in ones in threes, [z, y, x]."""
         voxels = np.full((5, 7, 9), 3, dtype="u2")
         voxels[1:4, 1:6, 1:8] = 1
         voxels[2:4, 1:3, 4:7] = 2
         return voxels
 
     def test_a_block_is_exact(self, options, sheet):
-        """Values apart, edges that differ, an origin: the points of a box, whatever the type and the format."""
+        """Values, edges of different lengths, an origin: the particles of a box, for any type and format."""
         wanted = self.box_of(options, (0.0625 + 4 * 0.125, 0.125 + 0.0625, 2 * 0.1875),
                              (0.0625 + 7 * 0.125, 0.3125, 0.75))
         where = {"spacing": [0.125, 0.0625, 0.1875], "origin": [0.0625, 0.125, 0.0]}
@@ -104,7 +104,7 @@ class TestVoxels:
             assert run.summary["digest"] == first.summary["digest"]
 
     def test_parts_share_no_point(self, options):
-        """A body a value: together they have every point of the box of voxels once, also when turned."""
+        """One body per value: together they have every particle of the box of voxels once, also when rotated."""
         for turn in ("", "rotate = 0 0 30"):
             counts = []
             for value in (1, 2, 3):
@@ -119,10 +119,10 @@ class TestVoxels:
             assert len(set.union(*counts)) == len(self.points(whole))
 
     def test_transformations(self, options):
-        """Scale, then turn, then move; lengths of the file are in the unit of the deck; without attributes
+        """The order is scale, rotate, translate; lengths of the file are in the unit of the deck; without attributes
         voxels are cubes of one unit at the origin."""
         wanted = self.box_of(options, (0.25, 0.375, 0.25), (0.5, 0.75, 0.625))
-        voxels = np.zeros((5, 4, 3), dtype="u1")            # turned by -90 degrees about z it is y, -x, z
+        voxels = np.zeros((5, 4, 3), dtype="u1")            # rotated by -90 degrees about z it is y, -x, z
         voxels[2:5, 2:4, 0:3] = 1
         run = self.run_of(options, "moved", {"a.h5": {"voxels": (voxels, {})}},
                           "scale = 0.125  rotate = 0 0 -90  translate = 0 0.75 0")
@@ -132,7 +132,7 @@ class TestVoxels:
         assert np.allclose(self.points(run), wanted)
 
     def test_a_sphere_converges(self, options):
-        """The mass of a sphere of voxels goes to that of a sphere with the voxels, and fills theirs."""
+        """The mass of a sphere of voxels converges to that of a sphere, and equals the mass of its voxels."""
         off = []
         for n in (8, 16, 32, 64):
             line = (np.arange(n) + 0.5) / n - 0.5
@@ -146,7 +146,7 @@ class TestVoxels:
         assert off[-1] < 0.3 * off[0]
 
     def test_plane(self, options):
-        """Data of two directions lie in the plane of x and z; three directions need one layer along y."""
+        """Data of two dimensions are in the plane of x and z; data of three dimensions need one layer along y."""
         wanted = self.box_of(options, (0.25, 0, 0.5), (0.5, 1, 0.625), dimension="plane_strain")
         plane = np.zeros((8, 8), dtype="i4")
         plane[4:5, 2:4] = 1
@@ -166,14 +166,14 @@ class TestVoxels:
         assert "the voxels have 2 directions, the scene 3" in said
 
     def test_check_tells_volumes(self, options):
-        """Voxels, their volume and that of the particles."""
+        """Number and volume of the voxels, and volume of the particles."""
         said = self.run_of(options, "told", {"a.h5": {"voxels": (self.block(), {"spacing": 0.0625})}},
                            "voxel_value = 2",
                            flags=("--check", "--no-estimate")).output
         assert "voxels     one: 12 have 0.00292969 m3, its particles hold 0.00292969 m3 (0 %)" in said
 
     def test_broken_files(self, options, sheet):
-        """Each is refused with what is wrong and where; nothing crashes."""
+        """Each is refused with the error and its position; nothing crashes."""
         voxels = self.block()
         head, data = image(voxels, [0.1] * 3, [0] * 3)
         for name, files, more, message in [

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: long
 # timeout: 1200
-"""Outputs open in the oldest VTK that the project promises, 9.2, the reader inside of ParaView 5.11, and in the newest.
+"""Outputs open in the oldest supported version of VTK, 9.2, which is the reader in ParaView 5.11, and in the newest.
 
-Would catch a layout that only newer readers understand, and a check that ends with a fault of its own in an old one.
-Each version is installed into an environment of its own, which needs the network; skipped where that fails.
+Would catch a layout that only newer readers support, and a check that fails by an error of its own in an old version.
+Each version is installed into a separate environment, which needs the network; skipped where that fails.
 """
 
 import subprocess
@@ -15,7 +15,7 @@ import pytest
 import case
 
 VERSIONS = ("vtk==9.2.6", "vtk")
-#: Particles, a grid and a slice, with symmetric tensors and whole numbers.
+# : Particles, a grid and a slice, with symmetric tensors and integers.
 DECK = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.05 /
 &time t_end = 1e-3  cfl = 0.3 /
@@ -29,7 +29,7 @@ DECK = """&run dimension = 'plane_strain' /
 
 
 def environment(folder, package):
-    """The Python of an environment with one package; None if it cannot be had."""
+    """The Python of an environment with one package; None if the package cannot be installed."""
     python = folder / "bin/python"
     if not python.exists():
         subprocess.run([sys.executable, "-m", "venv", folder], check=True)

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""A whole deck of an impact, with the keys and words that decks of it have had from the beginning: it is taken as it
-stands, and coarser it makes its steps with closed books.
+"""A complete deck of an impact with keys and words of decks for earlier versions: it is accepted unchanged, and a
+coarser copy runs with closed balances.
 
-Would catch a key, a word, a type of face or a field that such decks use and that is refused, a word of before that
-stops a deck although it says what is always so, and faces that absorb waves and do not book what they do.
+Would catch a key, a word, a type of boundary or a field that such decks use and that is refused, an obsolete word that
+stops a deck although it describes the only behaviour, and absorbing boundaries whose action is not recorded in the
+balances.
 """
 
 import os
@@ -108,10 +109,10 @@ DECK = """! Sphere on a thin plate: debris cloud, quarter model by symmetry. Uni
 
 
 class TestWholeDeck:
-    """The deck as it stands, and a coarse copy."""
+    """The deck unchanged, and a coarse copy."""
 
     def run_it(self, options, name, *flags):
-        """The deck in a folder of its own, in a job that ends in an hour."""
+        """The deck in a separate folder, in a job that ends in an hour."""
         run = case.Case(options, name, DECK)
         words = [str(options.scree), *flags, str(run.deck)]
         answer = subprocess.run(words, capture_output=True, text=True, cwd=run.folder, timeout=250, env={
@@ -125,7 +126,7 @@ class TestWholeDeck:
         assert " 0 errors, 0 warnings" in said
 
     def test_steps(self, options):
-        """Steps of a coarse copy to the first state of the cloud, until the wave of the impact is under way."""
+        """Steps of a coarse copy to the first state of the cloud, until the wave of the impact propagates."""
         run, _ = self.run_it(options, "steps", "-q", "--set", "grid.dx=1", "--set", "time.t_end=0.5", "--case", "steps",
                              "--outdir", ".")
         summary = run.summary

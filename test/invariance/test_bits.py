@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The state is the same to the last bit for any number of ranks and threads, and after a restart.
 
-Would catch: sums whose order depends on ranks or threads, races, particles in the order of their
-arrival, ghosts that are not those of the owner, anything that a checkpoint forgets, a digest that
-does not see a field. Guards: the state differs from that at the start, runs make many steps,
-particles cross tiles and borders of ranks, and the digest changes when one velocity changes in its
-last bit.
+Would catch: sums whose order depends on ranks or threads, race conditions, particles in the order of their arrival,
+ghosts that differ from the tiles of the owner, any data missing in a checkpoint, a digest that does not include a
+field. Controls: the state differs from that at the start, runs make many steps, particles cross tiles and borders of
+ranks, and the digest changes when one velocity changes in its last bit.
 """
 # timeout: 400
 # cores: 2
@@ -47,7 +46,7 @@ BAR = """
 &boundary  face='xlo'  type='symmetry' /
 """
 
-# Boxes that reach beyond their cells, nodes that see farther particles, and tiles as thin as may be.
+# Shape functions with extended support, nodes that farther particles reach, and tiles of the least thickness.
 CROSSED = """
 &run  dimension='plane_strain' /
 &grid  lo=-1,0,-1  hi=3,1,2  dx=0.1  block=4 /
@@ -71,7 +70,7 @@ def compare(options, sheet, name, deck, layouts=LAYOUTS):
     runs = []
     for ranks, threads in layouts:
         run = case.Case(options, f"{name}_{ranks}x{threads}", deck, ranks, threads)
-        # the name of the case is in the checkpoint: it must be the same in all of them
+        # the name of the case is in the checkpoint, so it must be the same in all runs
         run.name, run.deck = name, run.deck.rename(run.folder / f"{name}.nml")
         runs.append(run.run("-q"))
         seen = run.summary
@@ -90,7 +89,7 @@ def compare(options, sheet, name, deck, layouts=LAYOUTS):
 
 
 def restart(options, sheet, name, deck, digest, before, after, steps):
-    """Stop in the middle, go on with other ranks and threads."""
+    """Stop in the middle, continue with other numbers of ranks and threads."""
     run = case.Case(options, f"{name}_restart", deck, *before)
     run.run("-q", "-s", f"time.max_steps={steps}")
     sheet.require(run.summary["digest"] != digest, f"{name}: the middle is not the end")
@@ -107,7 +106,7 @@ def restart(options, sheet, name, deck, digest, before, after, steps):
 
 
 def test_bits(options, sheet):
-    """Cloud, block, bar; then the methods, restarts, and what must change the digest."""
+    """Cloud, block, bar; then the methods, restarts, and changes that must change the digest."""
     cloud = layouts.coarse_cloud(150)
     run, digest = compare(options, sheet, "cloud", cloud)
     start = case.Case(options, "cloud_start", layouts.coarse_cloud(0)).run("-q")
@@ -144,7 +143,7 @@ def test_bits(options, sheet):
     _, digest = compare(options, sheet, "affine", affine, ((1, 1), (3, 1)))
     restart(options, sheet, "affine", affine, digest, (2, 1), (1, 2), 31)
 
-    # cells so small that there are tiles to share
+    # cells so small that there are several tiles to distribute
     wide = BLOCK.replace("dx=1", "dx=0.8")
     seen = set()
     for basis in ("linear", "gimp", "cpgimp", "cpdi", "quadratic", "cubic"):

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A brittle ball bursts on a hot plate: the same bits for any ranks and threads, and after a restart.
 
-Would catch: strength that is drawn by place or rank instead of by particle, failed particles that
-follow their law only on some ranks, voids, temperatures or flags that a migration or a
-checkpoint mixes up, heat whose flow knows of ranks, flags that are
-anything but 0 and 1, mass or momentum lost on failing; cracks that open by a stress whose way back from the one that
-acts depends on the layout; a delay whose load of the step before stays behind when a particle
-moves or a run is stopped.
+Would catch: strength that is drawn by position or rank instead of by particle, failed particles that follow their law
+only on some ranks, voids, temperatures or flags that a migration or a checkpoint exchanges, heat whose flow depends on
+ranks, flags other than 0 and 1, mass or momentum lost on failing; cracks whose stress without cracks, recovered from
+the effective stress, depends on ranks and threads; a delay whose load from the previous step is lost when a particle
+migrates or a run is stopped.
 """
 # timeout: 400
 # cores: 2
@@ -36,7 +35,7 @@ DECK = """
 
 
 def test_brittle_bits(options, sheet):
-    """Layouts and another seed."""
+    """Several numbers of ranks and threads, and another seed."""
     for remains, more in (("granular", ""), ("drucker_prager", "failed_friction_angle=30"),
                           ("rubble", "fracture_energy=2.0e-3  softening='exponential'"),
                           ("rubble", "failure_delay=0.5  failure_delay_power=2")):

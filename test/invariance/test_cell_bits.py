@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
 # timeout: 300
-"""A cell that deforms on several layouts of ranks and threads, whole and stopped before and after its edges flip; and
-one that does not deform beside none: the same digest.
+"""A cell that deforms, with several numbers of ranks and threads, uninterrupted and stopped before and after its edges
+are replaced; and a cell that does not deform, against a scene without a cell: the same digest.
 
-Would catch a mean stress in the order of ranks, particles that keep the tiles they had before the flip or are lost on
-their way to far ranks, edges, stage or servo that a checkpoint lacks, and a cell at rest that changes a bit.
+Would catch a mean stress summed in the order of ranks, particles that keep their previous tiles after edges were
+replaced or are lost on their way to distant ranks, edges, stage or servo missing in a checkpoint, and a cell at rest
+that changes a bit.
 """
 
 import numpy as np
@@ -36,7 +37,8 @@ def tables(one):
     pytest.param("space", SPACE, marks=pytest.mark.tiers("full")),
 ])
 def test_layouts(options, sheet, name, deck):
-    """All layouts, and stops before and after the first flip with another layout behind each."""
+    """All numbers of ranks and threads, and stops before and after the first replacement of edges, continued with other
+    numbers."""
     def start(label, ranks=1, threads=1, more=(), keep=False):
         one = case.Case(options, label, deck, ranks, threads, keep=keep)
         one.name = "cell"
@@ -69,7 +71,7 @@ def test_layouts(options, sheet, name, deck):
                          "body": "specific_energy=2.5e3  " + WAVES}, marks=pytest.mark.tiers("full")),
 ])
 def test_at_rest(options, sheet, name, more):
-    """A cell that does not deform and none, by the same method."""
+    """A cell that does not deform and a scene without a cell, by the same method."""
     words = "stress_update='usl'  transfer='flip'  flip=1  " + more.pop("words", "normalise='none'")
     digests = [cells.run(options, f"{name}_{label}", cells.scene(more.get("material", RUBBER), stages, 0.2, **{
         "body": WAVES, "words": words, **{key: more[key] for key in more if key != "material"}}))["case"].summary

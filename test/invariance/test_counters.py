@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Counters at their edge: a run that has made 2^31, 10^10 or 2^53 steps goes on like one that has made ten.
+"""Counters at the limits of their types: a run that has made 2^31, 10^10 or 2^53 steps continues like one that has made
+ten.
 
-Would catch: a counter of steps that wraps round at 2^31, that loses steps where a real number of single precision or a
-narrow column would; a schedule, a balance of ranks or a name of a file that depends on the size of a counter.
+Would catch: a step counter that overflows at 2^31, or loses steps in a single-precision number or a narrow column; a
+schedule, a load balance or a file name that depends on the size of a counter.
 
-No run makes so many steps: the counter in a checkpoint is set to the great number, head and file are sealed anew as
-src/base/base_hash.f90 and src/io/io_seal.f90 seal them (which also tests these against another implementation), and the
-run goes on. Its particles must be those of the run that was not touched, to the last bit.
+No run makes so many steps: the counter in a checkpoint is set to the large number, its hashes and its seal are computed
+again as in src/base/base_hash.f90 and src/io/io_seal.f90 (which also tests these against another implementation), and
+the run continues. Its particles must be those of the run with the unchanged counter, to the last bit.
 
-The state of a particle far below the smallest normal number changes nothing and costs no step: see the last part.
+Numbers far below the smallest normal number must change nothing and must not slow down a step: see the last part.
 """
 
 import shutil
@@ -48,12 +49,12 @@ def mix(bits):
 
 
 def word(number):
-    """Bits of a number as a whole number."""
+    """Bits of a number as an integer."""
     return struct.unpack("<Q", struct.pack("<d", number))[0]
 
 
 def reseal(path, seal, step):
-    """Set the counter of steps in a checkpoint, and seal it."""
+    """Set the step counter in a checkpoint, and seal the file again."""
     path.write_bytes(path.read_bytes()[:-SEAL])
     with h5py.File(path, "r+") as file:
         root = file.attrs
@@ -71,7 +72,7 @@ def reseal(path, seal, step):
 
 
 def test_counters(options, sheet):
-    """Counters, then tiny numbers."""
+    """Counters, then very small numbers."""
     right = case.Case(options, "right", DECK.format(dust=0)).run("-q")
     last = right.snapshots()[-1][1]
     for step in (10, 2**31 - 5, 2**31, 10**10, 2**53 - 25):
@@ -92,7 +93,7 @@ def test_counters(options, sheet):
 
 
 def test_tiny(options, sheet):
-    """Velocities at the smallest normal number, and stresses that pass below it."""
+    """Velocities at the smallest normal number, and stresses that fall below it."""
     words = []
     for dust in (0, 1e-300, 1e-306):
         run = case.Case(options, f"dust_{dust}", DECK.format(dust=dust)).run("-q")

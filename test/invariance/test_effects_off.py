@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An effect that is switched off leaves no trace: the same bits, bytes and phases as if never named.
+"""An effect that is switched off has no influence: the same bits, bytes and phases as if the deck did not name it.
 
-Would catch: a field that is allocated although nothing asked for it, an exchange or a phase of an
-effect that is off, and an effect that changes the state although it is off. That what is on does
-change the state keeps the test from passing for nothing. Instructions are counted by
-test/bench/effects.py.
+Would catch: a field that is allocated although nothing requested it, an exchange or a phase of an effect that is off,
+and an effect that changes the state although it is off. Effects that are on must change the state; otherwise the test
+would show nothing. Instructions are counted by test/bench/effects.py.
 """
 # timeout: 200
 
@@ -12,7 +11,7 @@ import case
 import effects
 
 STEPS = 12
-# What a phase of its own is for; all other effects share the phases of every run.
+# Effects with a phase of their own; all other effects are timed in the phases of every run.
 OWN_PHASE = {"conduction": "heat conduction", "contact": "contact"}
 
 
@@ -33,7 +32,7 @@ def test_effects_off(options, sheet):
             continue
         with_it = run(f"{name}_on", on)
         without = run(f"{name}_off", off or never)
-        # failure, softening and differences of temperature come later than these few steps
+        # failure, softening and differences of temperature begin after these few steps
         if name not in ("damage", "size_scatter", "voids", "melting", "rate", "conduction"):
             sheet.require(with_it[0] != without[0], f"{name}: acts when it is on")
         for phase in OWN_PHASE.values():

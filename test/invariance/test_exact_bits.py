@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A run that follows an exact solution has the same bits for any ranks and threads and after a restart.
 
-Would catch: particles that the initial displacement takes to tiles of other ranks and that arrive
-late, twice or not at all; a body force that depends on the order of threads; a reference position
-that sorting, migration or a checkpoint forgets; sums of errors that depend on ranks; greatest errors
-and a clock of the stress that a restart begins anew.
+Would catch: particles that the initial displacement moves to tiles of other ranks and that arrive late, twice or not at
+all; a body force that depends on the order of threads; a reference position that is lost in sorting, migration or a
+checkpoint; sums of errors that depend on ranks; greatest errors and a time of the stress that a restart resets.
 """
 # timeout: 200
 # cores: 2
@@ -32,7 +31,7 @@ LAYOUTS = ((1, 1), (2, 1), (1, 2), (3, 1))      # ranks, threads
 
 
 def test_exact_bits(options, sheet):
-    """Three ways to update the stress; the first one is stopped and goes on."""
+    """Three orders of the stress update; the first run is stopped and continued."""
     for method, update in (("ddmp", "usl"), ("ddmp", "usf"), ("mpm", "musl")):
         deck = DECK.format(method=method, update=update)
         runs = []

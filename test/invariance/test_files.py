@@ -2,8 +2,8 @@
 """Snapshots and histories do not depend on ranks and threads, and other programs can read them.
 
 Would catch: rows in the order of ranks, parts of files written by rank, sums of the history that
-depend on ranks, files that VTK does not read. Byte for byte, except for the echo of the deck with
-the folder of the run.
+depend on ranks, files that VTK does not read. The comparison is byte for byte, except for the echo of the deck with the
+folder of the run.
 """
 # tiers: smoke
 # timeout: 600
@@ -32,7 +32,7 @@ DECK = """
 
 
 def test_files(options, sheet):
-    """Three layouts of ranks and threads."""
+    """Three combinations of ranks and threads."""
     runs = []
     for ranks, threads in ((1, 1), (2, 1), (1, 2), (3, 1)):
         run = case.Case(options, f"files_{ranks}x{threads}", DECK, ranks, threads)

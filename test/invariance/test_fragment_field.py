@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The field `fragment` of particles: the numbers of the table of that time, the same bytes for any ranks and threads.
+"""The field `fragment` of particles: the row numbers of the table of that time, the same bytes for any ranks and
+threads.
 
-Would catch a particle that has the number of a piece beside it, numbers in another order than those of the table, as in
-that of the cells or of the ranks, numbers that follow the particles that are written instead of those that count, other
-limits than those of the table, a number for what belongs to no fragment, and a file that viewers do not read.
+Would catch a particle that has the number of a neighbouring fragment, numbers in another order than in the table, such
+as that of the cells or of the ranks, numbers that depend on which particles are written instead of which are counted,
+another velocity limit than that of the table, a number for a particle that belongs to no fragment, and a file that
+viewers do not read.
 """
 
 import csv
@@ -15,8 +17,8 @@ import pytest
 
 import case
 
-# Three bodies fly apart; their cells have the order in which they stand here, their masses the other one. Tiles are
-# six cells wide.
+# Three bodies fly apart; their cells are in the order in which the bodies are listed here, their masses in the opposite
+# order. Tiles are six cells wide.
 HEAD = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 2 1 1  dx = 0.0625 /
 &time t_end = 1  max_steps = {steps} /
@@ -41,17 +43,18 @@ def deck(bodies, streams, steps=12, metal="", effects=""):
 
 
 def table(run, ending="_fragments.csv"):
-    """Rows of the table as dictionaries of numbers, a list a time."""
+    """Rows of the table as dictionaries of numbers, one list for each time."""
     with open(run.path(ending), newline="", encoding="utf-8") as lines:
         rows = [{name.split(" [")[0]: float(value) for name, value in row.items()} for row in csv.DictReader(lines)]
     return [list(group) for _, group in itertools.groupby(rows, key=lambda row: row["step"])]
 
 
 class TestFragmentField:
-    """Each run looks at its own files."""
+    """Each test uses the files of its own runs."""
 
     def agree(self, run, stream="p"):
-        """Each number of the table has the particles, the mass and the least identity of its row; the numbers."""
+        """For each number of the table, the particles agree with its row in count, mass and least identity; returns the
+        numbers."""
         times, snaps = table(run), [snap for _, snap in run.snapshots(stream)]
         assert len(times) == len(snaps)
         for rows, snap in zip(times, snaps):
@@ -65,7 +68,7 @@ class TestFragmentField:
         return [snap.fields["fragment"] for snap in snaps]
 
     def test_bodies_that_fly_apart(self, options):
-        """Each body is one fragment, the heaviest is 1, and the bodies of the deck tell which."""
+        """Each body is one fragment, the heaviest is number 1, and the body numbers of the deck identify them."""
         run = case.Case(options, "apart", deck(THREE, TABLE.format("") + POINTS.format("particles", ""))).run("--quiet")
         numbers = self.agree(run)
         assert len(numbers) == 3
@@ -74,7 +77,7 @@ class TestFragmentField:
                 assert set(number[snap.fields["body"] == body]) == {wanted}
 
     def test_same_bytes(self, options, sheet):
-        """Any ranks and threads, and a run that goes on from a checkpoint."""
+        """Any ranks and threads, and a restart from a checkpoint."""
         text = deck(THREE, TABLE.format("velocity_cut = 3") + POINTS.format("particles", ""))
         one = case.Case(options, "one", text).run("--quiet")
         wanted = {path.name: path.read_bytes() for path in one.folder.glob("one_p_0*.hdf")}
@@ -95,17 +98,17 @@ class TestFragmentField:
             assert np.array_equal(one_of, snap.fields["fragment"])
 
     def test_it_costs_nothing_unasked(self, options):
-        """Without the field the file holds the others alone; the state of the run is the same with it."""
+        """Without the field the file contains only the other fields; with it the state of the run is the same."""
         with_it = case.Case(options, "with", deck(THREE, POINTS.format("particles", ""))).run("--quiet")
         without = case.Case(options, "without", deck(THREE, POINTS.format("particles", "").replace(
             ", 'fragment'", ""))).run("--quiet")
         assert with_it.summary["digest"] == without.summary["digest"]
         assert set(with_it.snapshots()[0][1].fields) - set(without.snapshots()[0][1].fields) == {"fragment"}
-        for _, snap in with_it.snapshots():               # no table: all matter, parted by gaps
+        for _, snap in with_it.snapshots():               # no table: all material, separated by gaps
             assert set(snap.fields["fragment"]) == {1, 2, 3}
 
     def test_the_table_defines(self, options):
-        """Touching bodies that part by velocity_cut of the table; bodies that the table leaves out have 0."""
+        """Touching bodies are separated by velocity_cut of the table; bodies that the table excludes have 0."""
         pair = [("one", "0.25 0.25 0.25", "0.5 0.5 0.5", "metal", "3 0 0"),
                 ("two", "0.5 0.25 0.25", "0.625 0.5 0.5", "metal", "0 4 0"),
                 ("far", "1.5 0.25 0.25", "1.75 0.75 0.75", "metal", "0 0 0")]
@@ -120,7 +123,7 @@ class TestFragmentField:
             assert {row: set(number[body == row]) for row in (1, 2, 3)} == wanted, key
 
     def test_failed_matter_has_none(self, options):
-        """Where the table takes intact matter alone, particles that have failed have 0, and some have failed."""
+        """Where the table counts intact material alone, failed particles have 0, and some have failed."""
         bodies = [("bar", "0.25 0.4375 0.4375", "1.75 0.5625 0.5625", "metal", "0 0 0  spin = 0 0 80")]
         run = case.Case(options, "intact", deck(
             bodies, TABLE.format("matter = 'intact'") + POINTS.format("particles", "").replace(
@@ -134,7 +137,7 @@ class TestFragmentField:
         assert snap.fields["fragment"].max() > 1
 
     def test_a_part_is_written(self, options):
-        """Slices, strides, bodies and regions of the stream choose rows; the numbers stay those of the whole."""
+        """Slices, strides, bodies and regions of the stream select rows; the numbers are those of all particles."""
         where = "&region name = 'left'  shape = 'box'  lo = 0 0 0  hi = 1 1 1 /\n"
         parts = ["stride = 3", "bodies = 'light' 'small'", "region = 'left'"]
         streams = TABLE.format("") + POINTS.format("particles", "") + "".join(
@@ -149,7 +152,7 @@ class TestFragmentField:
             assert [number[identity] for identity in part.fields["identity"]] == list(part.fields["fragment"]), stream
 
     def test_viewers(self, options):
-        """The numbers are whole, of 32 bits, named in the file, and VTK reads them; grids have no mean of them."""
+        """The numbers are 32-bit integers, named in the file, and VTK reads them; grids have no mean of them."""
         run = case.Case(options, "viewed", deck(THREE, POINTS.format("particles", ""), 0)).run("--quiet")
         path = run.path("_p_000000.hdf")
         with h5py.File(path) as file:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
 # timeout: 300
-"""A cell of grains on several layouts of ranks and threads, whole and stopped in the middle: the same digest.
+"""A cell of grains with several numbers of ranks and threads, uninterrupted and stopped in the middle: the same digest.
 
-Would catch sums in the order of ranks or threads, rows of other ranks that are not up to date, a sort or a search of
-pairs that depends on the layout, a value that a checkpoint lacks, a stage that begins anew after a restart, and a
-tilt of whole periods that changes the cell.
+Would catch sums in the order of ranks or threads, rows of other ranks that are not up to date, a sort or a neighbour
+search that depends on ranks, a value missing in a checkpoint, a stage that starts again after a restart, and a tilt of
+whole periods that changes the cell.
 """
 
 import signal
@@ -16,7 +16,7 @@ import pytest
 import case
 import tier
 
-# The program takes a thread for 300 grains of a rank: 1800 are enough for three ranks with two threads each.
+# The program uses one thread for 300 grains of a rank: 1800 are enough for three ranks with two threads each.
 LOOSE = """&grains number = {number}  shape = '{shape}'  diameter = 1e-3  density = 2500
   stiffness = {stiff}  friction = 0.4  restitution = 0.7 /
 &cell volume_fraction = {solid}  speed = {speed}  pressure = 200  tilt = {tilt}  seed = 5 /
@@ -30,10 +30,10 @@ LAYOUTS = tier.choose(full=((2, 1), (1, 2), (3, 2)), smoke=((2, 1), (1, 2)))
 
 
 def run(options, name, values, ranks=1, threads=1, keep=False, more=(), expect=0):
-    """Run a deck in a folder of its own; the case has the same name everywhere."""
+    """Run a deck in a separate folder; the case has the same name in all of them."""
     one = case.Case(options, name, LOOSE.format(**values), ranks, threads, keep=keep)
     one.name = "cell"
-    # threads that wait without work, as there may be more of them than cores
+    # passive waiting, because there may be more threads than cores
     return one.run("--grains", "--quiet", *more, expect=expect, env={"OMP_WAIT_POLICY": "passive"})
 
 
@@ -42,7 +42,7 @@ def run(options, name, values, ranks=1, threads=1, keep=False, more=(), expect=0
     pytest.param("spheres", SPHERES, marks=pytest.mark.tiers("full")),
 ])
 def test_layouts(options, sheet, name, values):
-    """All layouts, and a stop by a signal and by the wall limit with another layout behind it."""
+    """All numbers of ranks and threads, and a stop by a signal and by the wall limit, continued with other numbers."""
     first = run(options, name, values)
     digest, steps = first.summary["digest"], first.summary["steps"]
     history = first.path("_history.csv").read_bytes()
@@ -54,7 +54,7 @@ def test_layouts(options, sheet, name, values):
         sheet.require(other.summary["threads"] == threads, f"{text}: has its threads")
         sheet.require(other.summary["digest"] == digest, f"{text}: {other.summary['digest']}, not {digest}")
         sheet.require(other.path("_history.csv").read_bytes() == history, f"{text}: the history has the same bytes")
-    # a wall limit of nothing stops at the first look, and again, on another layout each time
+    # with a wall limit of zero the run stops at the first check, each time with another number of ranks and threads
     name_of = f"{name}_stopped"
     run(options, name_of, values, 2, 1, more=("--set", "time.wall_limit='00:00:00'"), expect=None)
     for ranks, threads in ((1, 1), (2, 1), (1, 2)):
@@ -70,14 +70,14 @@ def test_layouts(options, sheet, name, values):
 
 @pytest.mark.tiers("full")
 def test_by_signal(options, sheet):
-    """A run that is stopped by a signal and goes on."""
+    """A run that is stopped by a signal and continued."""
     values = {**DISCS, "strain": 3.0}
     whole = run(options, "signal_whole", values).summary
     one = case.Case(options, "signal", LOOSE.format(**values))
     one.name = "cell"
     process = one.start("--grains")
     deadline = time.time() + 60.0
-    # the history has its first row when the signal is watched
+    # the history has its first row when the run handles signals
     while time.time() < deadline and process.poll() is None:
         table = one.path("_history.csv")
         if table.exists() and len(table.read_text(encoding="ascii").splitlines()) > 2:
@@ -91,7 +91,7 @@ def test_by_signal(options, sheet):
 
 
 def test_periods(options, sheet):
-    """A tilt of whole periods is the same cell; of half a period the same cell on either side."""
+    """A tilt of whole periods gives the same cell; a tilt of half a period to either side gives the same cell."""
     short = {**DISCS, "number": 400, "strain": 0.3}
     digests = {tilt: run(options, f"tilt_{n}", {**short, "tilt": tilt}).summary["digest"]
                for n, tilt in enumerate((0, 1, -2, 0.25))}

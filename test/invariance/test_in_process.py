@@ -3,9 +3,9 @@
 # cores: 2
 """A run in the process of Python has the bits of the program, step by step, on one rank and on two.
 
-Would catch: a time loop of the library that differs from that of the program, state that one simulation leaves to
-the next, results that depend on where the particles are in memory, which reading fields changes, and ranks that do
-not share the run. Guards: runs make many steps, and a field that is written changes the digest.
+Would catch: a time loop of the library that differs from that of the program, state that one simulation leaves for the
+next, results that depend on the positions of the particles in memory, which reading fields changes, and ranks that do
+not share the run. Controls: runs make many steps, and a field that is written changes the digest.
 """
 
 import importlib.util
@@ -29,7 +29,7 @@ BLOCK = """
 &boundary  face='all'  type='periodic' /
 &parallel  balance_every=13  imbalance=1.01 /
 """
-# Runs every deck twice, the second time through fields; the last time a velocity is changed.
+# Runs every deck twice, the second time with access to fields; in the last run a velocity is changed.
 SCRIPT = """
 import sys
 {communicator}
@@ -51,7 +51,7 @@ for deck in sys.argv[2:]:
 
 
 def in_process(options, ranks, deck, folder, mpi4py):
-    """Digests by way, steps and ranks of a deck in the process of Python."""
+    """Digests by kind of run, steps and ranks of a deck in the process of Python."""
     script = options.work / f"script_{mpi4py}.py"
     script.write_text(SCRIPT.format(communicator="from mpi4py import MPI; comm = MPI.COMM_WORLD" if mpi4py else
                                     "comm = None"), encoding="utf-8")

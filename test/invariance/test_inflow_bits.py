@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inflows: the same bits for any layout and after a restart.
+"""Inflows: the same bits for any ranks and threads and after a restart.
 
-Would catch particles that a rank counts for another one, a step at whose end a restart feeds twice or not at all,
-strengths that are drawn from another identity, and tiles that a rank without particles cannot make.
+Would catch particles that a rank counts for another one, a step at whose end a restart inserts particles twice or not
+at all, strengths that are drawn for another identity, and tiles that a rank without particles cannot create.
 """
 # timeout: 300
 # cores: 2

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Many more ranks than cores, and more ranks than tiles: the same bits, and messages to neighbours only.
 
-Would catch: a rank without particles that waits for a message or divides by its count, a list of receivers that holds
-ranks which are no neighbours, a collective call per neighbour or per tile, arrays of one entry per rank that grow, a
-restart whose ranks list all tiles, and a report of scripts/scaling.py with empty columns or figures.
-full: 24 and 36 ranks; long: 512 ranks.
+Would catch: a rank without particles that waits for a message or divides by its count, a list of receivers with ranks
+that are not neighbours, one collective call per neighbour or per tile, arrays with one entry per rank, which grow with
+the number of ranks, a restart in which every rank lists all tiles, and a report of scripts/scaling.py with empty
+columns or figures. full: 24 and 36 ranks; long: 512 ranks.
 """
 # tiers: full, long
 # timeout: 600
@@ -47,7 +47,7 @@ def scene(options, **changed):
 
 @pytest.mark.tiers("full")
 def test_more_ranks_than_tiles(options, sheet):
-    """A bar of 6 tiles that flies, on 24 ranks: most of them never have a particle."""
+    """A bar of 6 tiles in flight, on 24 ranks: most of them never have a particle."""
     one = case.Case(options, "bar_1", BAR).run("-q").summary
     many = case.Case(options, "bar_24", BAR, ranks=24).run("-q").summary
     sheet.require(many["digest"] == one["digest"], f"24 ranks: digest {many['digest']}, not {one['digest']}")
@@ -61,7 +61,7 @@ def test_more_ranks_than_tiles(options, sheet):
 
 @pytest.mark.tiers("full")
 def test_neighbours(options, sheet):
-    """A periodic block of 4 x 3 x 3 tiles on as many ranks: each sends to the 26 others around it, not to all 35."""
+    """A periodic block of 4 x 3 x 3 tiles on as many ranks: each sends to its 26 neighbours, not to all 35."""
     case.need_ranks(options.scree)
     small = scene(options)
     cells = [4 * TILE_CELLS, 3 * TILE_CELLS, 3 * TILE_CELLS]
@@ -83,7 +83,7 @@ def test_neighbours(options, sheet):
 
 @pytest.mark.tiers("full")
 def test_restart_lists(options, sheet):
-    """A checkpoint of 27 tiles, read by more ranks: each lists the tiles of the rows that it reads, no rank all."""
+    """More ranks read a checkpoint of 27 tiles: each rank lists only the tiles of the rows that it reads."""
     case.need_ranks(options.scree)
     program = options.scree.parent / "bench_restart"
     if not program.exists():
@@ -101,7 +101,8 @@ def test_restart_lists(options, sheet):
 
 @pytest.mark.tiers("full")
 def test_report(options, sheet):
-    """The command of the run book on few ranks: all columns have numbers, and the figures are large enough."""
+    """The command in the documentation of scaling runs, on few ranks: all columns have numbers, and the figures are
+    large enough."""
     case.need_ranks(options.scree)
     command = [sys.executable, case.ROOT / "scripts/scaling.py", "--scree", options.scree, "--work", options.work,
                "--layouts", "1x1,2x1,4x1", "--edge", "1", "--radius", "9", "--steps", STEPS]
@@ -114,7 +115,7 @@ def test_report(options, sheet):
     for row in rows[1:3]:
         sheet.require(float(row["messages"]) > 0 and float(row["memory"]) > 0,
                       f"{row['ranks']} ranks: counts are there")
-        # a block of as many tiles as ranks has no segments that are not cubes
+        # for a block with as many tiles as ranks the segments of the curve are cubes
         sheet.near(f"{row['ranks']} ranks: MB of the model", float(row["megabytes"]),
                    float(row["megabytes_model"]), 0.05)
     for name in ("scaling_ddmp_weak.png", "scaling_ddmp_strong.png"):

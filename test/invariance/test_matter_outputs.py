@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Grids, slices, profiles and fragments: what they say of bodies whose answer is known, the same bytes for any ranks
-and threads, and files that a restart continues.
+"""Grids, slices, profiles and fragments: their values for bodies with known results, the same bytes for any ranks and
+threads, and files that a restart continues.
 
-Would catch matter that is counted twice or not at all, a fragment cut at a face of a tile, a rank or a periodic box,
-two fragments taken for one, sums that depend on who adds them up, and rows that stand twice after a restart.
+Would catch material that is counted twice or not at all, a fragment cut at a face of a tile, at a border of ranks or at
+a periodic boundary, two fragments joined to one, sums that depend on the rank that computes them, and rows that occur
+twice after a restart.
 """
 
 import csv
@@ -16,7 +17,7 @@ import pytest
 import case
 
 DX = 1.0 / 32
-# Tiles are six cells wide: the first body crosses faces of tiles and, of two or three ranks, of ranks.
+# Tiles are six cells wide: the first body crosses faces of tiles and, with two or three ranks, borders of ranks.
 HEAD = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 2 1 1  dx = 0.03125 /
 &time t_end = 1e-4  max_steps = {steps} /
@@ -48,7 +49,7 @@ def box_of(body):
 
 
 def mass_of(body):
-    """Mass of a body, whose faces lie on those of cells [kg]."""
+    """Mass of a body, whose faces are cell faces [kg]."""
     lower, upper = box_of(body)
     return 2700.0 * np.prod(upper - lower)
 
@@ -62,7 +63,7 @@ def table(run, ending):
 
 
 class TestMatterOutputs:
-    """A run once, looked at from many sides."""
+    """One run, whose outputs all tests use."""
 
     @pytest.fixture(autouse=True, scope="class")
     @classmethod
@@ -72,8 +73,8 @@ class TestMatterOutputs:
                     if path.suffix in (".hdf", ".csv", ".series")}
 
     def test_same_bytes(self, options, sheet):
-        """Any ranks and threads; all files of all streams are there."""
-        assert len(self.kept) == 3 * 3 + 3 + 3 + 1          # the last one holds the walls
+        """Any ranks and threads; all files of all streams exist."""
+        assert len(self.kept) == 3 * 3 + 3 + 3 + 1          # the last one has the walls
         for ranks, threads in [(2, 1), (3, 1), (1, 2)]:
             run = case.Case(options, f"three_{ranks}_{threads}", deck(THREE), ranks, threads)
             run.name = "three"
@@ -106,7 +107,7 @@ class TestMatterOutputs:
             assert abs(total / sum(map(mass_of, THREE)) - 1.0) <= 0.5e-12
 
     def test_profile(self):
-        """Sums over the bins are those of the bodies; a mean is that of the matter in the bin."""
+        """Sums over the bins are those of the bodies; a mean is that of the material in the bin."""
         rows = table(self.one, "_profile.csv")
         assert [len(rows[step]) for step in rows] == [50] * 3
         history = self.one.history
@@ -122,7 +123,7 @@ class TestMatterOutputs:
         assert all(row["mass"] == 0.0 for row in rows[0] if row["position"] > 1.75)
 
     def test_grid(self):
-        """The image holds all mass, no more cells than are needed, and the velocity of each body."""
+        """The image contains all mass, no more cells than are needed, and the velocity of each body."""
         series = sorted(self.one.folder.glob("three_g_0*.hdf"))
         assert len(series) == 3
         for path in series:
@@ -141,7 +142,7 @@ class TestMatterOutputs:
                     assert {-4.0, 0.0} == set(velocity[..., 2].ravel())
 
     def test_slice(self):
-        """Particles within half a cell of the plane, no others, and not none."""
+        """Only particles within half a cell of the plane, and at least one."""
         _, whole = self.one.snapshots()[-1]
         _, cut = self.one.snapshots("s")[-1]
         off = whole.points[:, 2] - 0.5
@@ -150,7 +151,7 @@ class TestMatterOutputs:
         assert sorted(whole.fields["identity"][near]) == sorted(cut.fields["identity"])
 
     def test_restart(self, options):
-        """Tables are cut back and go on, files and series too."""
+        """Tables are truncated and continued, and so are files and series."""
         run = case.Case(options, "again", deck(THREE, steps=5))
         run.name = "three"
         run.run("--quiet")
@@ -168,7 +169,7 @@ class TestMatterOutputs:
 
 
 class TestFragments:
-    """What belongs together, at the first step."""
+    """Connected cells, at the first step."""
 
     def masses(self, options, name, bodies, ranks=1, key="", more=""):
         stream = f"&output name = 'b'  kind = 'fragments'  every = 1  {key} /\n"
@@ -176,9 +177,9 @@ class TestFragments:
         return [(row["mass"], row) for row in table(run, "_fragments.csv")[0]]
 
     def test_touching(self, options, sheet):
-        """Cells that share a face, an edge or a corner belong together, and those one cell apart do not, wherever
-        faces of tiles are, of any ranks."""
-        for shift in range(6, 12):                   # all places in a tile of six cells
+        """Cells that share a face, an edge or a corner are connected, and those one cell apart are not, for any
+        position of the faces of tiles and any ranks."""
+        for shift in range(6, 12):                   # all positions in a tile of six cells
             first = ("one", "0.0625 0.0625 0.0625", f"{shift * DX + 0.0625} 0.25 0.25", "0 0 0")
             edge = shift * DX + 0.0625
             for gap, pieces in [(0, 1), (1, 2)]:
@@ -189,7 +190,7 @@ class TestFragments:
                     assert len(found) == pieces
 
     def test_periodic(self, options):
-        """A body across a periodic face is one fragment whose middle is that of the body, not of the box."""
+        """A body across a periodic boundary is one fragment whose centre is that of the body, not of the box."""
         faces = "&boundary face = 'xlo' type = 'periodic' /\n&boundary face = 'xhi' type = 'periodic' /\n"
         parts = [("one", "0 0.25 0.25", "0.125 0.5 0.5", "0 0 7"), ("two", "1.75 0.25 0.25", "2 0.5 0.5", "0 0 7")]
         closed = self.masses(options, "round", parts, ranks=2, more=faces)
@@ -201,13 +202,13 @@ class TestFragments:
         assert len(self.masses(options, "open", parts)) == 2
 
     def test_velocity_cut(self, options):
-        """Touching bodies part where their velocities differ by more than the limit, and only there."""
+        """Touching bodies are separated where their velocities differ by more than the limit, and only there."""
         parts = [("one", "0.25 0.25 0.25", "0.5 0.5 0.5", "3 0 0"), ("two", "0.5 0.25 0.25", "0.625 0.5 0.5", "0 4 0")]
         for limit, pieces in [(4.99, 2), (5.01, 1)]:
             assert len(self.masses(options, f"cut_{pieces}", parts, 2, f"velocity_cut = {limit}")) == pieces
 
     def test_only_some(self, options):
-        """Bodies and regions choose; the share that is left out has no mass here."""
+        """Selection by bodies and regions; the rest has no mass here."""
         found = self.masses(options, "some", THREE, 1, "bodies = 'cube' 'slab'")
         assert [round(mass / mass_of(body), 9) for (mass, _), body in zip(found, [THREE[2], THREE[1]])] == [1.0, 1.0]
         where = "&region name = 'left'  shape = 'box'  lo = 0 0 0  hi = 0.5 1 1 /\n"
@@ -216,7 +217,7 @@ class TestFragments:
         assert len(found) == 1
 
     def test_spin(self, options):
-        """Angular momentum about the own middle of a body that turns and flies, far from the origin."""
+        """Angular momentum about its own centre, for a body that rotates and flies far from the origin."""
         bodies = [("one", "1.5 0.5 0.5", "1.75 0.75 0.75", "1000 0 0  spin = 0 0 20")]
         mass, row = self.masses(options, "spin", bodies)[0]
         # sum over lattice points of x and y: edge^2 (1 - 1/n^2)/12 with 8 and 16 points

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The same scene in other words gives the same numbers: other units, a mirror image, a shifted box.
+"""The same scene with other units, as a mirror image, or in a shifted box gives the same numbers.
 
 Would catch: a key that is not converted, absolute tolerances, a direction or a side that is treated
-otherwise than its opposite, positions taken from a wrong origin. Limits 1e-12, as rounding differs;
-guard: the scene moves, fails and flows.
+differently from the opposite one, positions relative to a wrong origin. Limits 1e-12, because rounding differs;
+control: the scene moves, fails and flows.
 """
 
 import numpy as np
@@ -61,7 +61,7 @@ MIRROR = """
 """
 SCENE = {"lo": 0, "hi": 9, "gravity": 50.0, "left": 3.15, "low": 4.1, "high": 7.4, "fast": 14.0,
          "turn": "5,-3", "slow": -8.0, "face": "xlo", "words": ""}
-# spin is an axial vector: its x component stays, the others change sign
+# spin is an axial vector: its x component is unchanged, the others change sign
 IMAGE = {"lo": -9, "hi": 0, "gravity": -50.0, "left": -3.15, "low": -7.4, "high": -4.1,
          "fast": -14.0, "turn": "-5,3", "slow": 8.0, "face": "xhi", "words": ""}
 
@@ -91,7 +91,7 @@ def test_units(options, sheet):
 
 
 def nearest(points, others):
-    """For each point the index of the other one that is nearest."""
+    """For each point of one set the index of the nearest point of the other set."""
     return np.array([np.argmin(((others - point) ** 2).sum(axis=1)) for point in points])
 
 

@@ -5,9 +5,9 @@
 # cores: 2
 """Kernels of the particle loops and of the node phase in loops for a GPU, bench_offload.
 
-Would catch: kernels that give other bits when they are called from such a loop, and, in the tier long, a kernel that is
-no longer compiled for GPUs, because it calls a procedure or reads a constant that is not marked for them. No GPU is
-needed: the loops run on this machine.
+Would catch: kernels that give other bits when they are called from such a loop, and, in the tier long, a kernel that
+can no longer be compiled for GPUs, because it calls a procedure or reads a constant that is not marked for them. No GPU
+is needed: the loops run on the host.
 """
 
 import os
@@ -24,7 +24,7 @@ DIGEST = re.compile(r"^digest (\w{16})  (\w{16})  (\w{16})$", re.M)
 
 
 def run(*words, **environment):
-    """What a command says; it must succeed."""
+    """Output of a command, which must succeed."""
     answer = subprocess.run([str(word) for word in words], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             env={**os.environ, **environment}, check=False)
     if answer.returncode:
@@ -33,12 +33,12 @@ def run(*words, **environment):
 
 
 def cached(build, name):
-    """A value of the cache of CMake."""
+    """A value in the CMake cache."""
     return re.search(rf"^{name}:\w+=(.*)$", (build / "CMakeCache.txt").read_text(encoding="utf-8"), re.M).group(1)
 
 
 def digests(program, threads, **environment):
-    """At the start, after steps in threads, after steps in the loops for a device."""
+    """Digests at the start, after steps in threads, and after steps in the loops for a device."""
     return DIGEST.search(run(program, "3", "20", OMP_NUM_THREADS=str(threads), **environment)).groups()
 
 
@@ -56,8 +56,8 @@ def test_bits_here(options, sheet):
 
 @pytest.mark.tiers("long")
 def test_compiled_for_gpus(options, sheet):
-    """With the second compiler: the program holds the kernels in the language of NVIDIA's GPUs, and gives the same
-    bits where there is none."""
+    """With the second compiler: the program contains the kernels in the language of NVIDIA GPUs, and gives the same
+    bits where there is no GPU."""
     given = options.scree.parents[1]
     compiler = cached(given, "CMAKE_Fortran_COMPILER")
     tool = run(compiler, "-print-file-name=accel/nvptx-none/mkoffload").strip()

@@ -3,7 +3,7 @@
 """`output_units`: the numbers of all files in the units of the deck, or of another system, and back to SI.
 
 Would catch a field, a column or a time that keeps its old unit or gets a wrong label, a number that is converted
-twice, and an echo that writes other units than the deck did.
+twice, and an echo with other output units than those of the deck.
 """
 
 import csv
@@ -31,7 +31,7 @@ DECK = """&run dimension = 'plane_strain' /
 &output name = 'f'  kind = 'profile'  count = 2  bins = 10 /
 &output name = 'b'  kind = 'fragments'  count = 2 /
 """
-# Units of SI, names in mm, us and mg, what one of them is in SI.
+# Units of SI, their names in mm, us and mg, and the values of the latter in SI.
 NAMES = {"m": ("mm", 1e-3), "s": ("us", 1e-6), "kg": ("mg", 1e-6), "m3": ("mm3", 1e-9), "m/s": ("mm/us", 1e3),
          "kg/m3": ("mg/mm3", 1e3), "Pa": ("mg/(mm us2)", 1e9), "J": ("mg mm2/us2", 1.0),
          "kg m/s": ("mg mm/us", 1e-3), "kg m2/s": ("mg mm2/us", 1e-6), "N s": ("mg mm/us", 1e-3),
@@ -97,7 +97,7 @@ class TestOutputUnits:
                             self.close(two[name][...] * factor, one[name][...])
 
     def test_post_processing(self):
-        """Readers of scripts/ get SI from both."""
+        """Readers of scripts/ return SI values for both."""
         for (time, one), (other, two) in zip(self.si.snapshots(), self.deck.snapshots()):
             self.close(np.array(other), np.array(time))
             self.close(two.points, one.points)
@@ -106,7 +106,7 @@ class TestOutputUnits:
                 self.close(two.fields[name], one.fields[name])
 
     def test_echo(self, options):
-        """The echo is in SI, and its outputs are the same bytes all the same."""
+        """The echo is in SI, and its outputs are the same bytes nevertheless."""
         echo = self.deck.path(".echo.nml").read_text(encoding="utf-8")
         assert "output_units = 'mm-us-mg'" in echo
         shutil.rmtree(options.work / "echo", ignore_errors=True)

@@ -4,9 +4,9 @@
 # cores: 2
 """One program for all x86-64 processors, -DSCREE_ARCH=dispatch: installed, moved, and run as on older processors.
 
-Would catch: kernels that are compiled for a processor and give other bits there; a library for a processor that is not
-installed, or that the loader or the package scree does not choose; instructions that the first library must not use,
-because older processors do not have them; a program that needs the tree it was built in.
+Would catch: kernels that give other bits when compiled for another processor; a library for a processor that is not
+installed, or that the loader or the package scree does not select; instructions that the first library must not use,
+because older processors do not have them; a program that needs its build tree.
 """
 
 import os
@@ -20,7 +20,7 @@ import pytest
 import case
 import layouts
 
-# What the loader of the C library is told to ignore, so that it takes the processor for an older one.
+# Features that the loader of the C library is told to ignore, so that it treats the processor as an older one.
 MASKS = {"x86-64-v4": "", "x86-64-v3": "-AVX512F", "x86-64": "-AVX2"}
 # Registers and instructions that came after x86-64: AVX and later; SSE3 to SSE4.2, bit manipulation.
 AVX512 = re.compile(r"%zmm|%k[1-7]\b|%[xy]mm(?:1[6-9]|2\d|3[01])\b")
@@ -79,7 +79,7 @@ def scenes():
 
 
 def run(*words, timeout=3000, **environment):
-    """What a command says; it must succeed."""
+    """Output of a command, which must succeed."""
     answer = subprocess.run([str(word) for word in words], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             env={**os.environ, **case.OPEN_MPI, **environment}, timeout=timeout, check=False)
     if answer.returncode:
@@ -88,19 +88,19 @@ def run(*words, timeout=3000, **environment):
 
 
 def masked(processor):
-    """The environment in which a processor passes for an older one."""
+    """The environment in which a processor is treated as an older one."""
     mask = MASKS[processor]
     return {"GLIBC_TUNABLES": f"glibc.cpu.hwcaps={mask}"} if mask else {}
 
 
 def cached(build, name):
-    """A value of the cache of CMake."""
+    """A value in the CMake cache."""
     return re.search(rf"^{name}:\w+=(.*)$", (build / "CMakeCache.txt").read_text(encoding="utf-8"), re.M).group(1)
 
 
 @pytest.fixture(scope="module")
 def place(file_options):
-    """An installation that was moved; the build is that of the program, if it is such a build."""
+    """An installation that was moved; made from the build of the tested program, if that is a build for dispatch."""
     if os.uname().machine != "x86_64":
         pytest.skip("this machine is no x86-64")
     given = file_options.scree.parents[1]
@@ -122,7 +122,7 @@ def place(file_options):
 
 @pytest.fixture(scope="module")
 def usable(place):
-    """The processors of MASKS that this one can stand for, found by the program that starts."""
+    """The processors of MASKS that this one can emulate, determined by the program that starts."""
     folders = {path.parent.name for path in place.rglob("glibc-hwcaps/*/libscree.so")}
     assert folders == set(MASKS) - {"x86-64"}, folders
     found = []
@@ -135,7 +135,7 @@ def usable(place):
 
 
 def test_choice(place, usable, sheet):
-    """The program and the package scree choose the same library, by default the newest that can be used."""
+    """The program and the package scree select the same library, by default the newest that the processor supports."""
     flags = run("cat", "/proc/cpuinfo")
     newest = "x86-64-v4" if " avx512vl" in flags else "x86-64-v3" if " avx2" in flags else "x86-64"
     for processor in usable:
@@ -150,7 +150,7 @@ def test_choice(place, usable, sheet):
 
 
 def test_same_bits(options, place, usable, sheet):
-    """Would catch sums that a wider vector adds in another order, and products that are fused with sums."""
+    """Would catch sums that wider vectors add in another order, and products that are fused with sums."""
     options.scree = place / "bin/scree"
     for name, deck in scenes().items():
         digests = {}

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rigid regions that move, rub, come and go, and parts of faces: the same bits for any layout and after a restart.
+"""Rigid regions that move, rub, appear and disappear, and parts of boundaries: the same bits for any ranks and threads
+and after a restart.
 
-Would catch: places of nodes that differ between tiles in the last bit, so that one tile holds a node and its neighbour
-does not; a place or velocity of a region that is carried on instead of found from the time, so that a restart loses it;
-nodes that are remembered for tiles that went to another rank; normals that are found anew after a restart only.
+Would catch: positions of nodes that differ between tiles in the last bit, so that one tile constrains a node and its
+neighbour does not; a position or velocity of a region that is accumulated instead of computed from the time, so that a
+restart loses it; nodes that are stored for tiles that have moved to another rank; normals that are computed again after
+a restart only.
 """
 # timeout: 300
 # cores: 2

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # cores: 2
-"""What ranks send in a step is what the model of doc/developer/scaling.md says.
+"""Messages of ranks in a step agree with the model of doc/developer/scaling.md.
 
-Would catch: patches sent twice, sent to ranks that do not see them, or with columns that nobody
-asked for; a second exchange in a step; messages with nothing in them; at the start and at a
-restart, a list of all tiles on some rank, and cuts of the curve that depend on who knows which tile.
+Would catch: patches sent twice, sent to ranks that do not need them, or with columns that were not requested; a second
+exchange in a step; empty messages; at the start and at a restart, a list of all tiles on some rank, and partitions of
+the curve that depend on how tiles are distributed.
 """
 
 import re
@@ -40,7 +40,7 @@ SPHERES = """
 
 
 def test_bars(options, sheet):
-    """Eight tiles in a row on two ranks: one tile of each rank touches the other."""
+    """Eight tiles in a row on two ranks: one tile of each rank touches the other rank."""
     for method, exchanges in EXCHANGES.items():
         run = case.Case(options, f"bar_{method}", BAR.format(method=method, steps=STEPS), ranks=2)
         found = run.run("-q").summary["traffic"]
@@ -72,7 +72,7 @@ def test_blocks(options, sheet):
 
 def test_starts(options, sheet):
     """Balls in rows, whose boxes share tiles, over a plate, in the lower third of the box: the lists of tiles
-    that a rank has at the start and at a restart are shares of the whole, and results are those of one rank."""
+    of a rank at the start and at a restart are fractions of the whole, and results are those of one rank."""
     one = case.Case(options, "start_1", SPHERES).run("-q")
     tiles = int(re.search(r"([0-9]+) of [0-9]+ hold particles", one.path(".log").read_text("utf-8")).group(1))
     sheet.require(tiles > 300, f"{tiles} tiles hold particles")

@@ -117,8 +117,8 @@ contains
       end do
    end subroutine compare
 
-   !> True if two numbers differ by no more than a limit. A NaN agrees with nothing; it is looked
-   !! for first, since comparing it would trap in a Debug build.
+   !> True if two numbers differ by no more than a limit. A NaN equals nothing. It is tested first,
+   !! because a comparison would raise a floating point exception in a Debug build.
    pure function agree(expected, found, limit) result(good)
       real(wp), intent(in) :: expected, found, limit
       logical :: good
@@ -178,7 +178,7 @@ contains
       call order(shape(right), shape(right), right, spread(left, 1, size(right)), message, location)
    end subroutine greater_0_1
 
-   !> All comparisons for order end here.
+   !> All order comparisons end here.
    subroutine order(shape_left, shape_right, lower, upper, message, location)
       integer, intent(in) :: shape_left(:), shape_right(:)
       real(wp), intent(in) :: lower(:), upper(:)

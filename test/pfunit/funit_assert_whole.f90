@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Assertions about whole numbers, with the names and the order of arguments of pFUnit.
+!> Assertions about integers, with the names and the order of arguments of pFUnit.
 module funit_assert_whole
    use, intrinsic :: iso_fortran_env, only: int32, int64
    use funit_report, only: sourcelocation, throw
@@ -8,7 +8,7 @@ module funit_assert_whole
 
    public :: assertequal, assertgreaterthan, assertlessthan
 
-   !> Two whole numbers are equal.
+   !> Two integers are equal.
    interface assertequal
       module procedure equal_int32_0_0
       module procedure equal_int32_1_1
@@ -227,7 +227,7 @@ contains
       call order(right, left, message, location)
    end subroutine greater_int64
 
-   !> All comparisons for order end here.
+   !> All order comparisons end here.
    subroutine order(lower, upper, message, location)
       integer(int64), intent(in) :: lower, upper
       character(len=*), intent(in), optional :: message

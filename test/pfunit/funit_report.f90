@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What has failed in the test that runs now. The interface of pFUnit is global, hence this state.
+!> Failures of the test that is running. The interface of pFUnit is global, hence this module state.
 module funit_report
    use, intrinsic :: iso_fortran_env, only: output_unit
    implicit none
@@ -41,17 +41,17 @@ contains
       failures = 0
    end subroutine begin_test
 
-   !> Say which rank speaks.
+   !> Set the text that identifies the rank in messages.
    subroutine set_rank_text(text)
-      character(len=*), intent(in) :: text            !! Such as " (rank 1 of 2)", or nothing
+      character(len=*), intent(in) :: text            !! Such as " (rank 1 of 2)", or empty
 
       rank_text = text
    end subroutine set_rank_text
 
-   !> Record a failure, and print it at once: a rank that waits for this one may hang for ever.
+   !> Record a failure and print it at once, because another rank that waits for this one may hang.
    subroutine throw(reason, message, location)
-      character(len=*), intent(in) :: reason          !! What was found
-      character(len=*), intent(in), optional :: message !! Words of the test
+      character(len=*), intent(in) :: reason          !! Result that was found
+      character(len=*), intent(in), optional :: message !! Message of the test
       type(sourcelocation), intent(in), optional :: location !! Where
 
       failures = failures + 1

@@ -9,12 +9,12 @@ module funit_runner
 
    public :: finish_tests, quit, run_test, summary_t
 
-   !> What has run so far.
+   !> Results so far.
    type :: summary_t
       integer :: tests = 0                            !! Number of tests
       integer :: failed = 0                           !! Those that failed
    contains
-      procedure :: add => summary_add                 !! Book a test and print its line
+      procedure :: add => summary_add                 !! Record a test and print its line
       procedure :: print => summary_print             !! Print the totals
    end type summary_t
 
@@ -34,9 +34,9 @@ module funit_runner
 
 contains
 
-   !> Book a test and print its line.
+   !> Record a test and print its line.
    subroutine summary_add(self, name, failed)
-      class(summary_t), intent(inout) :: self         !! What has run so far
+      class(summary_t), intent(inout) :: self         !! Results so far
       character(len=*), intent(in) :: name            !! Name of the test
       logical, intent(in) :: failed                   !! True if it failed on some rank
 
@@ -55,7 +55,7 @@ contains
       flush (output_unit)
    end subroutine summary_print
 
-   !> Run one test. It does not run if what comes before it fails.
+   !> Run one test. It does not run if its setup fails.
    subroutine run_test(summary, name, method, before, after)
       type(summary_t), intent(inout) :: summary       !! What has run so far
       character(len=*), intent(in) :: name            !! Name of the test
@@ -72,9 +72,9 @@ contains
       call summary%add(name, failures_of_test() > 0)
    end subroutine run_test
 
-   !> Print the totals and leave with exit code 1 if a test failed or none ran.
+   !> Print the totals and end with exit code 1 if a test failed or none ran.
    subroutine finish_tests(summary)
-      type(summary_t), intent(in) :: summary          !! What has run
+      type(summary_t), intent(in) :: summary          !! Results of all tests
 
       call summary%print()
       if (summary%failed > 0 .or. summary%tests == 0) call quit(1_c_int)

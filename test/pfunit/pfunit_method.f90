@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a test on several ranks gets as its argument.
+!> The argument of a test on several ranks.
 module pfunit_method
    implicit none
    private

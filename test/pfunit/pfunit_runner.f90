@@ -71,7 +71,7 @@ contains
       call book(summary, name//trim(text))
    end subroutine run_on_ranks
 
-   !> Run a test that asks for no ranks on the first one while the others wait.
+   !> Run a test without a number of ranks on the first rank while the others wait.
    subroutine run_on_root(summary, name, method)
       type(summary_t), intent(inout) :: summary       !! What has run so far
       character(len=*), intent(in) :: name            !! Name of the test
@@ -84,7 +84,7 @@ contains
       call book(summary, name)
    end subroutine run_on_root
 
-   !> Learn from all ranks whether the test failed, and book it on all of them.
+   !> Find out from all ranks whether the test failed, and record it on all of them.
    subroutine book(summary, name)
       type(summary_t), intent(inout) :: summary
       character(len=*), intent(in) :: name
@@ -102,7 +102,7 @@ contains
       call mpi_barrier(mpi_comm_world)
    end subroutine book
 
-   !> Print the totals and leave with exit code 1 if a test failed or none ran.
+   !> Print the totals and end with exit code 1 if a test failed or none ran.
    subroutine finish_ranks(summary)
       type(summary_t), intent(in) :: summary          !! What has run
       integer :: rank

@@ -18,7 +18,7 @@ from pathlib import Path
 OPERANDS = {"equal": 2, "true": 1, "false": 1, "lessthan": 2, "greaterthan": 2}
 KEYWORDS = {"equal": {"tolerance", "message"}}
 SUBROUTINE = re.compile(r"\s*subroutine\s+(\w+)\s*(?:\(\s*(\w*)\s*\))?\s*(?:!.*)?$", re.I)
-LONGEST = 128  # so that what pFUnit makes of a directive fits in the 132 columns of Fortran
+LONGEST = 128  # so that the code that pFUnit generates for a directive fits in the 132 columns of Fortran
 
 
 class TranslationError(Exception):
@@ -57,7 +57,7 @@ class Translator:
         self.module = ""
         self.tests = []  # (name, list of ranks or None)
         self.fixtures = {}  # "before" and "after"
-        self.pending = None  # what the next line's subroutine is
+        self.pending = None  # role of the subroutine in the next line
         self.lines = []
 
     def run(self):
@@ -74,7 +74,7 @@ class Translator:
             raise TranslationError(f"{self.path}: {error}") from None
 
     def translate(self, line, number):
-        """One line in, one line out, so that line numbers stay."""
+        """Translate one line into one line, so that line numbers are kept."""
         if self.pending:
             return self.marked_subroutine(line)
         if not line.lstrip().startswith("@"):
@@ -120,7 +120,7 @@ class Translator:
         return ranks
 
     def assertion(self, name, arguments, number):
-        """The call, and the return from the test if it has failed."""
+        """The call of the assertion, and the return from the test if it has failed."""
         kind = name[6:].lower()
         parts = split_arguments(arguments)
         operands = OPERANDS[kind]
@@ -153,7 +153,7 @@ class Translator:
         return line
 
     def check_whole(self):
-        """What can only be seen at the end of the file."""
+        """Checks that need the whole file."""
         if self.pending:
             raise TranslationError(f"nothing follows @{self.pending[0]}")
         if self.module.lower() != self.path.stem.lower():
@@ -164,7 +164,7 @@ class Translator:
             raise TranslationError("with @before or @after all tests have npes, or none has")
 
     def module_text(self):
-        """The module; the compiler will speak of lines of the .pf file."""
+        """The module; messages of the compiler refer to lines of the .pf file."""
         return f'# 1 "{self.path}"\n' + "\n".join(self.lines) + "\n"
 
     def program_text(self):

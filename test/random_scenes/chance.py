@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Random numbers that are a pure function of a seed, and the form of numbers in a deck."""
+"""Random numbers that are a pure function of a seed, and the format of numbers in a deck."""
 
 import math
 
@@ -17,7 +17,7 @@ class Chance:
     """SplitMix64: the same numbers with any version of Python, any hash seed and on any machine."""
 
     def __init__(self, seed):
-        # a state that is the seed itself would give the next seed the same numbers, one place on
+        # if the state were the seed itself, the next seed would give the same numbers, shifted by one
         self.state = mixed(seed ^ 0x5DEECE66D)
 
     def bits(self):
@@ -26,11 +26,12 @@ class Chance:
         return mixed(self.state)
 
     def uniform(self, low=0.0, high=1.0):
-        """Uniform between two numbers, with four significant digits so that no rounding of a library is seen."""
+        """Uniform between two numbers, rounded to four significant digits, so that rounding of the mathematics library
+        has no effect."""
         return short(low + (high - low) * (self.bits() >> 11) / 9007199254740992.0)
 
     def log(self, low, high):
-        """Uniform in the logarithm, with four significant digits."""
+        """Uniform in the logarithm, rounded to four significant digits."""
         return short(math.exp(self.uniform(math.log(low), math.log(high))))
 
     def integer(self, low, high):
@@ -38,11 +39,11 @@ class Chance:
         return low + self.bits() % (high - low + 1)
 
     def true(self, share):
-        """True in this share of cases."""
+        """True with a given probability."""
         return (self.bits() >> 11) / 9007199254740992.0 < share
 
     def choose(self, options):
-        """One of a list, or of the keys of a dict with their weights."""
+        """One element of a list, or one of the keys of a dict with their weights."""
         if not isinstance(options, dict):
             return options[self.bits() % len(options)]
         level = (self.bits() >> 11) / 9007199254740992.0 * sum(options.values())
@@ -59,7 +60,7 @@ def short(value):
 
 
 def written(value):
-    """A value as a deck has it."""
+    """A value as written in a deck."""
     if isinstance(value, bool):
         return ".true." if value else ".false."
     if isinstance(value, str):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kinds of random scenes in which matter fills or rests in a box: weight, gases, liquids."""
+"""Kinds of random scenes in which material fills or rests in a box: weight, gases, liquids."""
 
 import math
 
@@ -9,7 +9,7 @@ from layout import CLOSED, DEPTH, FACES, Plan, dimension_of
 
 
 def column(plan, edges, floor=0.0):
-    """A box from a corner of the grid: half edges and place, in cells."""
+    """A box from a corner of the grid: half edges and position, in cells."""
     half = [shapes.FAR] * 3
     place = [0.0, 0.0, 0.0]
     for axis in plan.axes:
@@ -22,7 +22,7 @@ def column(plan, edges, floor=0.0):
 
 
 def weight(chance):
-    """Grains or a solid under gravity: dropped, let go as a column, or at rest with the stress of their weight."""
+    """Grains or a solid under gravity: dropped, released as a column, or at rest with the stress of their weight."""
     dimension = dimension_of(chance)
     loose = chance.true(0.65)
     plan = Plan(chance, dimension, "loose" if loose else "solid")
@@ -58,7 +58,7 @@ def weight(chance):
 
 
 def closed(plan, skip=()):
-    """Closed faces, or periodic ones, all around a full box."""
+    """Closed or periodic boundaries on all sides of a full box."""
     for axis in plan.axes:
         if FACES[2 * axis] in skip or FACES[2 * axis + 1] in skip or not (
                 plan.chance.true(0.15) and plan.cells[axis] >= 4 and not (
@@ -72,7 +72,7 @@ def closed(plan, skip=()):
 
 
 def volume(plan, edges):
-    """Volume of a box of so many cells [m3]."""
+    """Volume of a box of a given number of cells [m3]."""
     if plan.dimension == "axisymmetric":
         return math.pi * edges[0] ** 2 * edges[2] * plan.dx ** 3
     result = 1.0
@@ -82,7 +82,7 @@ def volume(plan, edges):
 
 
 def box(chance):
-    """A gas fills a closed box: at rest, as it sloshes, or as a rigid piston presses it."""
+    """A gas fills a closed box: at rest, sloshing, or compressed by a rigid piston."""
     dimension = dimension_of(chance)
     plan = Plan(chance, dimension, "gas")
     number = plan.matter("gas")
@@ -102,7 +102,7 @@ def box(chance):
         plan.impact = plan.frame = speed
         body.velocity = plan.vector(speed)
     elif state == "piston":
-        # it comes down by a fifth at most, so pressures stay within a factor of two
+        # the piston moves by a fifth of the height at most, so pressures remain within a factor of two
         speed = matter.wave_speed * chance.log(3.0e-3, 0.2)
         plan.time = min(plan.time, 0.2 * length / speed)
         plan.impact = plan.frame = speed
@@ -120,7 +120,7 @@ def box(chance):
 
 
 def expansion(chance):
-    """A gas beside a thinner one, a hot middle in a cold gas, or a ball of gas in nothing."""
+    """A gas beside a thinner one, a hot centre in a cold gas, or a ball of gas in vacuum."""
     dimension = dimension_of(chance)
     plan = Plan(chance, dimension, "gas")
     number = plan.matter("gas")
@@ -159,7 +159,7 @@ def expansion(chance):
 
 
 def liquid(chance):
-    """A liquid in a box: let go as a column, sloshing, at rest under its weight, or as a drop."""
+    """A liquid in a box: released as a column, sloshing, at rest under its weight, or as a drop."""
     dimension = dimension_of(chance)
     plan = Plan(chance, dimension, "liquid")
     number = plan.matter("liquid")

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A random legal deck from a seed.
+"""A random valid deck from a seed.
 
     scene = generate.scene(17)
     scene.deck, scene.files            # text of the deck, and of the files that it reads
     scene.kind, scene.matters, ...     # what was put in, for judge.py
 
-The deck is a pure function of the seed: chance.py has numbers of its own. What is drawn:
+The deck is a pure function of the seed: chance.py has its own random numbers. Distributions:
 
 kind        impact 30 %, a thin target 10 %, a wall or rigid region 14 %, weight 12 %, gas in a box 9 %, gas that
             expands or is shocked 6 %, liquid 7 %, flight with spin 6 %, three or four bodies 6 %
@@ -19,8 +19,8 @@ bodies      shapes.py: every shape; packings, spin, temperature, energy, stress 
 walls       all types of faces, rigid regions at rest and as pistons, contact, gravity
 method      methods.py: 80 % of decks have the default; 20 % another transfer, basis, quadrature, update, cfl, splitting
 
-Left out: `&exact` and `&point`, whose answers are known and held by other tests; units, since other units give the same
-bits (test/invariance); parts of faces, tables of motion, outputs and jobs.
+Left out: `&exact` and `&point`, whose results are known and tested elsewhere; units, since other units give the same
+bits (test/invariance); parts of boundaries, tables of motion, outputs and jobs.
 """
 
 import dataclasses
@@ -40,7 +40,7 @@ MAKERS = {"impact": layout.impact, "target": layout.target, "wall": layout.wall,
 
 @dataclasses.dataclass
 class Scene:
-    """A deck and what was put into it."""
+    """A deck and its contents."""
 
     seed: int
     kind: str
@@ -55,10 +55,10 @@ class Scene:
     impact: float                     # greatest relative speed of bodies, or of a body and a closed face [m/s]
     frame: float                      # greatest speed of a body or of a wall, with its spin [m/s]
     fall: float                       # greatest speed gained by gravity [m/s]
-    push: float                       # speed that energy and pressure of the start can make [m/s]
-    oblique: bool                     # bodies do not meet normally to flat faces
+    push: float                       # speed that the initial energy and pressure can cause [m/s]
+    oblique: bool                     # bodies do not meet flat boundaries along the normal
     full: float                       # volume of a closed box that is full at the start, 0 if there is none [m3]
-    swept: float                      # of it, what a piston takes away until the end [m3]
+    swept: float                      # volume of it that a piston sweeps until the end [m3]
     contact: bool
     steps: int                        # estimate
     t_end: float                      # [s]
@@ -74,9 +74,9 @@ def scene(seed):
 
 
 def finish(seed, kind, chance, plan, method):
-    """Faces, time and outputs, and the text of the deck."""
+    """Boundaries, time and outputs, and the text of the deck."""
     dx = plan.dx
-    # a step is a share of a cell at the fastest wave, which a shock makes up to three times as fast
+    # a step is a fraction of a cell over the fastest wave speed, which a shock increases by up to three times
     fast = max(matter.wave_speed for matter in plan.matters) + max(1.5 * plan.impact, plan.frame, plan.fall)
     t_end = plan.time
     steps = fast * t_end / dx / method.cfl
@@ -85,7 +85,7 @@ def finish(seed, kind, chance, plan, method):
     if steps > most:
         t_end *= most / steps
         steps = most
-    # runs that need six times as many steps have gone wrong, or are looked at
+    # runs that need six times as many steps have an error, or are listed for inspection
     steps = int(steps) + 30
     t_end = float(f"{t_end:.4g}")
     texts = [group("run", title=f"random deck {seed}: {kind}", dimension=plan.dimension, seed=seed + 1,
@@ -97,7 +97,7 @@ def finish(seed, kind, chance, plan, method):
     if plan.effects:
         texts.append(group("effects", **plan.effects))
     texts += [group("material", name=f"m{index + 1}", **matter.keys) for index, matter in enumerate(plan.matters)]
-    # what flies may meet a closed face
+    # a flying body may meet a closed boundary
     closed = any(f"type = '{word}'" in text for word in ("slip", "stick", "symmetry", "friction")
                  for text in plan.walls)
     files = {}

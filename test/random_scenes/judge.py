@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run a random deck and judge it by invariants alone.
+"""Run a random deck and check it by invariants alone.
 
     verdict = judge.judge(options, generate.scene(17))
     verdict.result, verdict.reason, verdict.detail     # "ok", "look" or "bad"
 
-Limits, none of which was measured:
+Limits; none of them was chosen from measurements:
 
 exit code        0: the deck is legal and such matter exists. Exit code 4 of a method that is documented as unstable is
                  only looked at, and so is that of a deck of which the run says at its start that its law does not hold.
@@ -22,11 +22,11 @@ volume           of solids that hold: between that of the shock of the impact an
                  is v/c. Of all matter: the cells with particles and those around; a full closed box within 10 %.
 bits             the same on two ranks (first 60 steps) and after a restart in the middle, in every fifth deck.
 
-What goes beyond a limit of speed or energy per mass in at most 0.5 % of the mass or two particles, and by a factor of
-less than 2, is to be looked at. So are jets of curved or oblique faces at more than a tenth of the speed of sound: at
-most 2 % of the mass and 2 (c + v), since the point of contact jets as soon as it is slower than sound, at twice its
-speed (G. Birkhoff and others, J. Appl. Phys. 19 (1948) 563). So is a run that needs six times the steps that its scales
-ask for.
+Speeds or energies per mass beyond a limit in at most 0.5 % of the mass or two particles, and by a factor of less than
+2, are listed for inspection. So are jets of curved or oblique surfaces at more than a tenth of the speed of sound: at
+most 2 % of the mass and 2 (c + v), since the point of contact emits a jet as soon as it is slower than sound, at twice
+its speed (G. Birkhoff and others, J. Appl. Phys. 19 (1948) 563). So is a run that needs six times the steps that its
+scales suggest.
 """
 
 import dataclasses
@@ -37,12 +37,12 @@ import numpy as np
 
 import case
 
-# A rank that waits leaves its core to the other one; else two ranks on a machine at work take minutes.
+# A waiting rank releases its core to the other one; otherwise two ranks on a busy machine take minutes.
 os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
-HANG = 300.0       # seconds of wall time; a run is made for a few, and max_steps bounds it to six times that
+HANG = 300.0       # seconds of wall time; a run is designed for a few, and max_steps limits it to six times that
 RANK_STEPS = 60    # first steps, which are compared between one rank and two
-JET = 0.02         # share of the mass that jets of a closing angle of 16 degrees take, (1 - cos)/2
-FEW = 0.005        # share of the mass that may go beyond a limit and is only looked at
+JET = 0.02         # fraction of the mass in jets of a closing angle of 16 degrees, (1 - cos)/2
+FEW = 0.005        # fraction of the mass that may exceed a limit and is only listed for inspection
 ENDS = (("dt_collapse", "step collapses"), ("dt_min", "step collapses"), ("not a finite", "not finite"),
         ("inside out", "inside out"), ("volume_ratio_min", "pressed to nothing"),
         ("volume_ratio_max", "grown without bound"), ("speed_max", "too fast"), ("come nearer", "nodes cross"),
@@ -51,7 +51,7 @@ ENDS = (("dt_collapse", "step collapses"), ("dt_min", "step collapses"), ("not a
 
 @dataclasses.dataclass
 class Verdict:
-    """What became of a deck."""
+    """Result of a deck."""
 
     seed: int
     result: str = "ok"
@@ -60,18 +60,18 @@ class Verdict:
     who: str = ""
     seconds: float = 0.0
     steps: int = 0
-    trust: str = ""               # what the run says of itself
+    trust: str = ""               # verdict of the run itself
     findings: list = dataclasses.field(default_factory=list)
 
     def find(self, result, reason, detail=""):
-        """Note a finding; the first of the worst ones is the reason."""
+        """Record a finding; the first of the worst ones is the reason of the verdict."""
         self.findings.append((result, reason, detail))
         if self.result == "ok" or (self.result == "look" and result == "bad"):
             self.result, self.reason, self.detail = result, reason, detail
 
 
 def who(scene):
-    """Families of matter, and what is not default."""
+    """Families of materials, and settings that are not the default."""
     words = ["+".join(sorted({matter.family for matter in scene.matters}))]
     if scene.effects.get("damage"):
         words.append("damage")
@@ -83,7 +83,8 @@ def who(scene):
 
 
 def judge(options, scene, layouts=None):
-    """Run a deck and judge it; layouts and a restart in every fifth deck, or in all or none of them."""
+    """Run a deck and check it; several numbers of ranks and a restart in every fifth deck, or in all or none of
+    them."""
     verdict = Verdict(scene.seed, who=who(scene))
     run = case.Case(options, f"s{scene.seed}", scene.deck)
     for name, content in scene.files.items():
@@ -117,7 +118,7 @@ def judge(options, scene, layouts=None):
 
 
 def ended(verdict, scene, run):
-    """The run ended by itself: a finding, and only to be looked at where the method is known to be unstable."""
+    """Finding if the run did not end by itself; only for inspection if the method is known to be unstable."""
     text = " ".join(run.output.split())
     word = next((name for key, name in ENDS if key in text), "other")
     try:
@@ -164,8 +165,8 @@ def books(verdict, scene, run):
 
 
 def energy(verdict, scene, table, told):
-    """Energy: to rounding where all matter carries it, to percent where some does not; there a loss that the run tells
-    with its remedy is only looked at, what is made is not."""
+    """Energy: to rounding where all material carries it, to percent otherwise. A loss that the run reports with a
+    remedy is only listed for inspection, energy gained is not."""
     begin = table["kinetic"][0] + table["internal"][0]
     stake = np.maximum(np.abs(begin), np.abs(table["external_work"]))
     if stake.max() <= 0.0:
@@ -173,7 +174,7 @@ def energy(verdict, scene, table, told):
     error = table["energy_error"] * stake / stake.max()
     exact = all(matter.carries for matter in scene.matters)
     if not exact:
-        # velocities stand half a step before places, so a line alone may be off by a share of a swing
+        # velocities are half a step behind positions, so a single row may be off by a fraction of an oscillation
         error = np.atleast_1d(error[-max(1, len(error) // 4):].mean())
     made, lost = float(error.max()), float(-error.min())
     limit = 1.0e-9 if exact else 0.05 if scene.contact else 0.02
@@ -187,7 +188,7 @@ def energy(verdict, scene, table, told):
 
 
 def number(share, exact):
-    """A share for the table."""
+    """A fraction for the table."""
     return f"{share:.1e}" if exact else f"{100.0 * share:.1f} %"
 
 
@@ -195,7 +196,7 @@ def state(verdict, scene, time, snap):
     """Speed, energy per mass and volume of particles in one snapshot."""
     fields = snap.fields
     if not len(snap.points):
-        return          # all has left the box
+        return          # all particles have left the box
     if not all([finite(verdict, name, fields[name]) for name in fields]) or not finite(verdict, "place", snap.points):
         return
     mass = np.asarray(fields["mass"])
@@ -209,7 +210,7 @@ def state(verdict, scene, time, snap):
         most, share = 2.0, FEW
     beyond(verdict, "speed", speed / limit, mass, f"{when}: {speed.max():.4g} m/s, impact {scene.impact:.4g}, "
            f"limit {limit:.4g}", max(most, 2.0), share)
-    # bodies are numbered as in the deck; with contact the field material is not
+    # bodies are numbered as in the deck; with contact the numbers in the field material are not
     bodies = np.asarray(fields["body"]).astype(int) - 1 if "body" in fields else np.zeros(len(mass), int)
     rows = np.array([body.matter for body in scene.bodies])[bodies]
     if "energy" in fields:
@@ -225,7 +226,7 @@ def speed_factor(scene):
 
 
 def speed_limit(scene):
-    """Greatest speed that what was put in explains [m/s]."""
+    """Greatest speed that the initial and boundary conditions explain [m/s]."""
     factor = speed_factor(scene)
     floor = max([0.02 * matter.bulk_speed for matter in scene.matters if matter.family == "gas"], default=0.0)
     thermal = max(1.0e-6 * matter.bulk_speed for matter in scene.matters)
@@ -234,7 +235,7 @@ def speed_limit(scene):
 
 
 def beyond(verdict, name, ratio, mass, text, most=2.0, part=FEW):
-    """Some particles are beyond a limit: few and by little are only looked at."""
+    """Some particles are beyond a limit: a few slightly beyond it are only listed for inspection."""
     over = ratio > 1.0
     if not over.any():
         return
@@ -244,10 +245,10 @@ def beyond(verdict, name, ratio, mass, text, most=2.0, part=FEW):
 
 
 def heat(verdict, scene, values, rows, mass, when):
-    """Energy per mass of matter that carries it."""
+    """Energy per mass of material that carries it."""
     start = max([body.energy or 0.0 for body in scene.bodies])
     densities = np.array([matter.density for matter in scene.matters])
-    # what is heavy can leave its energy in what is light
+    # heavy material can transfer its energy to light material
     heavier = (densities.max() / densities)[rows]
     most = 3.0 * (start + 0.5 * (scene.impact ** 2 + scene.fall ** 2 + scene.push ** 2) * heavier)
     flow = np.array([0.0 if matter.family in ("gas", "liquid") else 0.01 * matter.bulk_speed ** 2
@@ -269,7 +270,7 @@ def heat(verdict, scene, values, rows, mass, when):
 
 
 def volume(verdict, scene, snap, rows, time, when):
-    """Volumes of solids that hold, and of all matter in the space there is."""
+    """Volumes of intact solids, and of all material compared with the available space."""
     fields, mass = snap.fields, np.asarray(snap.fields["mass"])
     volumes = np.asarray(fields["volume"])
     whole = np.ones(len(mass), bool) if "failed" not in fields else np.asarray(fields["failed"]) < 0.5
@@ -297,7 +298,7 @@ def volume(verdict, scene, snap, rows, time, when):
 
 
 def space_around(scene, points):
-    """Volume of the cells that hold particles and of those around; of gases that of their bounding box."""
+    """Volume of the cells with particles and of their neighbours; for gases that of their bounding box."""
     axes = {"1d": (0,), "plane_strain": (0, 2), "axisymmetric": (0, 2), "3d": (0, 1, 2)}[scene.dimension]
     cells = np.floor(np.asarray(points)[:, axes] / scene.dx).astype(int)
     low, high = cells.min(axis=0) - 1, cells.max(axis=0) + 1
@@ -314,7 +315,8 @@ def space_around(scene, points):
 
 
 def ranks(verdict, scene, options, summary):
-    """Two ranks end with the same bits; of long runs the first steps do, since ranks wait for each other."""
+    """Two ranks end with the same bits; of long runs only the first steps are compared, since ranks wait for each
+    other."""
     words = ["-q", "-s", f"time.max_steps={RANK_STEPS}"]
     first = None
     for number_of in (1, 2):
@@ -331,7 +333,7 @@ def ranks(verdict, scene, options, summary):
 
 
 def restart(verdict, scene, options, summary):
-    """A run that was stopped in the middle ends with the same bits."""
+    """A run that is stopped in the middle and continued ends with the same bits."""
     run = case.Case(options, f"s{scene.seed}_restart", scene.deck)
     for name, content in scene.files.items():
         (run.folder / name).write_bytes(content)

@@ -33,7 +33,7 @@ class Body:
     energy: float = None
 
     def regions(self, dx):
-        """Text of its regions."""
+        """Text of the groups &region of the body."""
         return self.shape.regions(self.name, self.place, dx)
 
     def text(self):
@@ -45,12 +45,12 @@ class Body:
 
 
 class Plan:
-    """A scene that grows."""
+    """A scene to which parts are added."""
 
     def __init__(self, chance, dimension, effect_kind):
         self.chance, self.dimension = chance, dimension
         self.axes = AXES[dimension]
-        self.axis = self.axes[-1]                       # along which things fall and meet
+        self.axis = self.axes[-1]                       # direction in which bodies fall and meet
         low, high = ACROSS[dimension]
         self.across = min(high, int(chance.log(low, high + 1)))
         self.effects = materials.draw_effects(chance, effect_kind)
@@ -60,16 +60,16 @@ class Plan:
         self.cells = [1, 1, 1]
         self.origin = [0, 0, 0]
         self.impact = self.frame = self.fall = 0.0
-        self.extra = 0.0                                # speed that energy of the start can make [m/s]
+        self.extra = 0.0                                # speed that the initial energy can cause [m/s]
         self.oblique, self.full, self.swept, self.area, self.time = False, 0.0, 0.0, 0.0, 0.0
 
     def matter(self, family):
-        """Add a material; its number."""
+        """Add a material; returns its number."""
         self.matters.append(materials.draw(self.chance, family, self.effects, self.dx))
         return len(self.matters) - 1
 
     def lattice(self, number=None):
-        """Particles a cell."""
+        """Particles per cell along each direction."""
         number = number or self.ppc
         return [number if axis in self.axes else 1 for axis in range(3)]
 
@@ -120,7 +120,7 @@ class Plan:
         return group("grid", lo=low, hi=high, dx=self.dx)
 
     def particles(self):
-        """About how many particles there are."""
+        """Approximate number of particles."""
         total = 0.0
         for body in self.bodies:
             volume = 1.0
@@ -133,7 +133,7 @@ class Plan:
         return total
 
     def shrink(self):
-        """Fewer particles a cell where there would be too many."""
+        """Reduce the particles per cell where there would be too many."""
         while self.particles() > MOST[self.dimension]:
             most = max(max(body.ppc) for body in self.bodies)
             if most <= 2:
@@ -142,7 +142,7 @@ class Plan:
                 body.ppc = [min(number, most - 1) for number in body.ppc]
 
     def face(self, name, word, **more):
-        """A face of a type; open faces need no group."""
+        """A boundary of a type; open boundaries need no group."""
         if self.dimension == "axisymmetric" and name == "xlo":
             return
         if word == "friction":
@@ -151,7 +151,7 @@ class Plan:
             self.walls.append(group("boundary", face=name, type=word, **more))
 
     def faces(self, words, skip=()):
-        """All faces that are not skipped."""
+        """All boundaries except given ones."""
         for axis in self.axes:
             for side in (0, 1):
                 name = FACES[2 * axis + side]
@@ -159,7 +159,7 @@ class Plan:
                     self.face(name, self.chance.choose(words))
 
     def vector(self, along, aside=0.0):
-        """A velocity along the axis of the scene, and aside."""
+        """A velocity with components along the axis of the scene and across."""
         value = [0.0, 0.0, 0.0]
         value[self.axis] = short(along)
         if aside and self.dimension in ("plane_strain", "3d"):
@@ -167,18 +167,18 @@ class Plan:
         return value
 
     def speed(self, numbers):
-        """An impact speed that all these materials are made for."""
+        """An impact speed within the range of all given materials."""
         most = min(self.matters[number].speed_limit for number in numbers)
         return self.chance.log(min(1.0, 0.1 * most), most)
 
     def passes(self, low, high):
-        """Time of some passes of the slower of wave and impact through the bodies [s]."""
+        """Duration of some passes of the slower of wave and impact through the bodies [s]."""
         length = max(2.0 * max(body.shape.half[axis] for axis in self.axes) for body in self.bodies) * self.dx
         slow = min(matter.wave_speed for matter in self.matters)
         return self.chance.uniform(low, high) * length / max(slow, self.impact)
 
     def gravity(self, size):
-        """Gravity that keeps the weight of some cells far below the stiffness; the acceleration."""
+        """Gravity for which the weight of some cells is far below the stiffness; returns the acceleration."""
         slow = min(matter.bulk_speed for matter in self.matters)
         pull = self.chance.log(1.0e-4, 1.0e-2) * slow ** 2 / (size * self.dx)
         value = self.vector(-pull)
@@ -186,7 +186,7 @@ class Plan:
         return pull
 
     def push(self):
-        """Speed that energy at the start can make: heat that becomes motion, or a gas that expands into nothing."""
+        """Speed that the initial energy can cause: heat that becomes motion, or a gas that expands into vacuum."""
         speed = self.extra
         for body in self.bodies:
             matter = self.matters[body.matter]
@@ -199,13 +199,13 @@ class Plan:
 
 
 def dimension_of(chance, words=None):
-    """A dimension by chance."""
+    """A random dimension."""
     weights = {"1d": 20, "plane_strain": 40, "axisymmetric": 15, "3d": 25}
     return chance.choose({word: weights[word] for word in (words or weights)})
 
 
 def solid(chance, effects):
-    """A family of solids."""
+    """A random family of solids."""
     words = {"metal": 5, "brittle": 2, "soft": 4, "porous": 1}
     if effects.get("thermal") or effects.get("voids") or not effects.get("eos", True):
         words["porous"] = 0
@@ -215,8 +215,8 @@ def solid(chance, effects):
 
 
 def couple(plan, first, second):
-    """Two materials; the same one in four of ten scenes. Steps are those of the stiffer one, so times of both are held
-    within a factor of thirty."""
+    """Two materials; the same one in four of ten scenes. Steps are those of the stiffer one, so the time scales of both
+    are within a factor of thirty."""
     a = plan.matter(first)
     if plan.chance.true(0.4):
         return a, a
@@ -230,12 +230,12 @@ def couple(plan, first, second):
 
 
 def gap_of(plan):
-    """Gap between bodies: none, a part of a cell, some cells [cells]."""
+    """Gap between bodies: none, a fraction of a cell, or some cells [cells]."""
     return plan.chance.choose({0.0: 4, 0.3: 2, 1.0: 3, 2.5: 1})
 
 
 def stick_or_slip(plan):
-    """Contact between bodies in a fifth of scenes."""
+    """Contact between bodies in a fifth of the scenes."""
     if len(plan.bodies) < 2 or not plan.chance.true(0.2):
         return
     plan.effects["contact"] = True
@@ -249,7 +249,7 @@ def stick_or_slip(plan):
 
 
 def meet(plan, speed, gap, aside=0.0):
-    """The upper of two bodies flies against the lower one; both share a motion that changes nothing."""
+    """The upper of two bodies flies against the lower one; both have a common velocity, which must have no effect."""
     chance = plan.chance
     drift = chance.choose({0.0: 3, -0.5: 1, 0.3: 1}) * speed
     lower, upper = plan.bodies
@@ -257,7 +257,7 @@ def meet(plan, speed, gap, aside=0.0):
     upper.velocity = plan.vector(drift - speed, aside)
     plan.impact = math.hypot(speed, aside)
     plan.frame = max(math.hypot(drift - speed, aside), abs(drift))
-    # the time to cross the gap comes on top, and the gap is small if that would be most of the run
+    # the time to cross the gap is added, and the gap is small if that would be most of the run
     plan.time = plan.passes(2.0, 6.0)
     if gap * plan.dx / speed > 0.5 * plan.time:
         gap = short(0.5 * plan.time * speed / plan.dx)
@@ -266,7 +266,7 @@ def meet(plan, speed, gap, aside=0.0):
 
 
 def impact(chance, target=False):
-    """Two bodies meet, normally or obliquely; the target may be a plate of some cells."""
+    """Two bodies meet, normally or obliquely; the target may be a plate with a thickness of some cells."""
     dimension = dimension_of(chance)
     plan = Plan(chance, dimension, "shock" if chance.true(0.6) else "solid")
     first = solid(chance, plan.effects)
@@ -311,7 +311,7 @@ def target(chance):
 
 
 def conduct(plan):
-    """Conduction of heat in a third of scenes with temperatures, so slow that it sets no step."""
+    """Conduction of heat in a third of the scenes with temperatures, so slow that it does not limit the step."""
     if plan.effects.get("contact") or not plan.effects.get("thermal") or not plan.chance.true(0.35):
         return
     for matter in plan.matters:
@@ -320,7 +320,7 @@ def conduct(plan):
 
 
 def wall(chance):
-    """A body flies against a face or against a rigid region."""
+    """A body flies against a boundary or against a rigid region."""
     dimension = dimension_of(chance)
     plan = Plan(chance, dimension, "shock" if chance.true(0.5) else "solid")
     number = plan.matter(solid(chance, plan.effects))
@@ -356,7 +356,7 @@ def wall(chance):
 
 
 def rigid_floor(plan, place):
-    """A rigid region whose surface is at a place along the axis of the scene [cells]."""
+    """A rigid region whose surface is at a position along the axis of the scene [cells]."""
     chance = plan.chance
     centre = [0.0, 0.0, 0.0]
     normal = [0.0, 0.0, 0.0]
@@ -368,7 +368,7 @@ def rigid_floor(plan, place):
 
 
 def flight(chance):
-    """A body flies and turns; it may leave the box, or come in on the other side."""
+    """A body flies and rotates; it may leave the box, or enter it again through a periodic boundary."""
     dimension = dimension_of(chance)
     plan = Plan(chance, dimension, "solid")
     number = plan.matter(solid(chance, plan.effects))
@@ -378,7 +378,7 @@ def flight(chance):
     velocity = plan.vector(speed if chance.true(0.5) else -speed, speed * chance.uniform(-1.0, 1.0))
     spin, rim = None, 0.0
     if dimension in ("plane_strain", "3d") and chance.true(0.6):
-        # the rim turns so slowly that centrifugal strain stays below a thousandth
+        # the rim rotates so slowly that the centrifugal strain is below a thousandth
         rim = 0.03 * matter.speed_limit if matter.speed_limit < matter.wave_speed else 0.01 * matter.wave_speed
         radius = max(shape.half[axis] for axis in plan.axes) * plan.dx
         spin = [0.0, short(chance.uniform(0.1, 1.0) * rim / radius), 0.0]
@@ -403,7 +403,7 @@ def flight(chance):
 
 
 def several(chance):
-    """Three or four bodies in a row meet one after the other, in a box that may be closed."""
+    """Three or four bodies in a row meet one after another, in a box that may be closed."""
     dimension = dimension_of(chance)
     plan = Plan(chance, dimension, "shock" if chance.true(0.4) else "solid")
     plan.across = max(3, plan.across // 2)

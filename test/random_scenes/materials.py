@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Random effects and random legal materials of every law, equation of state and model of failure.
+"""Random effects and random valid materials of every law, equation of state and model of failure.
 
     effects = materials.draw_effects(chance, "shock")
     matter = materials.draw(chance, "metal", effects, dx)
 
-Families: metal, brittle, soft, porous (solids that carry a shear stress), grains, liquid, gas. Constants are those of
-materials that exist, or a factor of at most 2 away: a deck that fails cannot be blamed on its numbers.
+Families: metal, brittle, soft, porous (solids that support a shear stress), grains, liquid, gas. Constants are those of
+real materials, changed by at most a factor of 2, so a failure cannot be due to unrealistic constants.
 """
 
 import dataclasses
@@ -14,7 +14,7 @@ import math
 from chance import short
 
 PRESETS = {
-    # density, speed of sound in bulk, shear modulus, family
+    # density, bulk sound speed, shear modulus, family
     "al_2024_t351": (2785.0, 5328.0, 28.6e9, "metal"), "al_2017_t4": (2790.0, 5328.0, 27.2e9, "metal"),
     "al_6061_t6": (2703.0, 5240.0, 27.6e9, "metal"), "cu_ofhc": (8930.0, 3940.0, 47.7e9, "metal"),
     "steel_4340": (7830.0, 3574.0, 80.0e9, "metal"), "lead": (11350.0, 2092.0, 7.887e9, "metal"),
@@ -28,7 +28,7 @@ AMBIENT = 293.0
 
 @dataclasses.dataclass
 class Matter:
-    """A material of a deck and what a judge must know of it."""
+    """A material of a deck, with the properties that judge.py needs."""
 
     family: str
     keys: dict                        # of &material, without its name
@@ -37,9 +37,9 @@ class Matter:
     wave_speed: float                 # fastest wave at rest, or at the start of a gas [m/s]
     model: str                        # law / equation of state / failure, for the table
     carries: bool = False             # carries its internal energy
-    opens: bool = False               # can open: its volume may grow without tension
+    opens: bool = False               # may separate: its volume may grow without tension
     breaks: bool = False              # can fail
-    melts: bool = False               # loses strength and tension where it is hot
+    melts: bool = False               # loses strength and tension at high temperature
     energy: float = 0.0               # internal energy per mass at the start [J/kg]
     heat: float = 0.0                 # specific heat, 0 without thermal effects [J/(kg K)]
     speed_limit: float = 0.0          # fastest impact for which its laws hold [m/s]
@@ -74,7 +74,7 @@ def draw_effects(chance, kind):
 
 
 def draw(chance, family, effects, dx):
-    """A material of a family that is legal with these effects and cells of dx [m]."""
+    """A material of a family that is valid with these effects and cells of dx [m]."""
     matter = FAMILIES[family](chance, effects)
     keys = matter.keys
     if effects.get("thermal"):
@@ -100,7 +100,7 @@ def draw(chance, family, effects, dx):
 
 
 def moduli(chance, keys, bulk, shear):
-    """Write the moduli as one of the two pairs."""
+    """Write the moduli as one of the two allowed pairs of keys."""
     if chance.true(0.5):
         keys.update(bulk=bulk, shear=shear)
     else:
@@ -109,7 +109,7 @@ def moduli(chance, keys, bulk, shear):
 
 
 def speeds(density, bulk, shear):
-    """Speeds of waves in bulk, and of the fastest wave."""
+    """Bulk wave speed, and the greatest wave speed."""
     return math.sqrt(bulk / density), math.sqrt((bulk + 4.0 / 3.0 * shear) / density)
 
 
@@ -140,7 +140,7 @@ def preset(chance, effects, names):
 
 
 def metal(chance, effects):
-    """Ductile matter: presets, or a law and an equation of state by chance."""
+    """Ductile material: presets, or a random law and equation of state."""
     strong, eos = effects.get("strength", True), effects.get("eos", True)
     if chance.true(0.5):
         return preset(chance, effects, [name for name, row in PRESETS.items() if row[3] == "metal"])
@@ -186,7 +186,7 @@ def metal(chance, effects):
 
 
 def brittle(chance, effects):
-    """Glass, ceramics, rock; failure is given by `fail`."""
+    """Glass, ceramics, rock; failure is set by `fail`."""
     if chance.true(0.4):
         names = ["glass_borosilicate"]
         if effects.get("eos", True) and effects.get("strength", True):
@@ -255,7 +255,7 @@ def soft(chance, effects):
 
 
 def porous(chance, effects):
-    """Foam or a porous metal with p_alpha, which knows neither voids nor temperatures."""
+    """Foam or a porous metal with p_alpha, which supports neither voids nor temperatures."""
     solid, sound = chance.uniform(2000.0, 9000.0), chance.uniform(2000.0, 5500.0)
     density = solid * chance.uniform(0.5, 0.95)
     crush = solid * sound ** 2 * chance.log(1.0e-3, 1.0e-2)
@@ -274,7 +274,7 @@ def porous(chance, effects):
 
 
 def grains(chance, effects):
-    """Loose matter: presets, or a law of friction by chance, stiff enough for its weight."""
+    """Loose material: presets, or a random law with friction, stiff enough for its weight."""
     if chance.true(0.3):
         return preset(chance, effects, [name for name, row in PRESETS.items() if row[3] == "grains"])
     density, bulk = chance.uniform(1000.0, 2500.0), chance.log(1.0e5, 3.0e8)
@@ -307,7 +307,7 @@ def grains(chance, effects):
 
 
 def liquid(chance, effects):
-    """Water, oil, melt: tait or linear, with or without viscosity; its sound may be slowed down as is usual."""
+    """Water, oil, melt: tait or linear, with or without viscosity; its sound speed may be reduced, as is common."""
     density = chance.uniform(700.0, 1500.0)
     bulk = density * chance.log(20.0, 1500.0) ** 2
     keys = {"density": density, "bulk": bulk}
@@ -340,7 +340,7 @@ def gas(chance, effects):
 
 
 def fail(chance, matter, effects, dx):
-    """Models of failure that go with the law, and what is left."""
+    """Models of failure that are compatible with the law, and the treatment of failed material."""
     keys = matter.keys
     law = keys.get("strength_model")
     if matter.family == "metal" and law in ("von_mises", "johnson_cook") and chance.true(0.6):
@@ -365,7 +365,7 @@ def fail(chance, matter, effects, dx):
 
 
 def break_brittle(chance, matter, law, effects, dx):
-    """Failure of brittle matter by stress, strain, flaws or JH-2."""
+    """Failure of brittle material by stress, strain, flaws or JH-2."""
     keys, bulk = matter.keys, matter.density * matter.bulk_speed ** 2
     strain = chance.log(3.0e-4, 5.0e-3)
     shear = 0.75 * matter.density * (matter.wave_speed ** 2 - matter.bulk_speed ** 2)
@@ -379,7 +379,7 @@ def break_brittle(chance, matter, law, effects, dx):
             keys["jh2_beta"] = chance.uniform(0.0, 1.0)
         return
     if word == "grady_kipp":
-        # so many flaws that some hundred of them are active in a cell at the strain
+        # so many flaws that some hundred of them are active in a cell at that strain
         power = chance.uniform(5.0, 10.0)
         keys.update(weibull_m=power, weibull_k=300.0 / dx ** 3 / strain ** power)
         return
@@ -395,13 +395,13 @@ def break_brittle(chance, matter, law, effects, dx):
         if chance.true(0.5):
             keys["failure_delay_power"] = chance.uniform(0.5, 2.0)
     elif extra == "energy" and law != "jh2":
-        # a cell holds a tenth to a half of the energy that its crack takes
+        # a cell holds a tenth to a half of the energy that its crack dissipates
         keys["fracture_energy"] = young * strain ** 2 * dx * chance.uniform(5.0, 20.0)
         keys["softening"] = chance.choose(["linear", "exponential"])
 
 
 def remains(chance, keys):
-    """What failed matter is."""
+    """Treatment of failed material."""
     word = chance.choose({"rubble": 2, "nothing": 1, "granular": 2, "drucker_prager": 2})
     keys["failed_as"] = word
     if word == "granular":

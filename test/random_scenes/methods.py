@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The numerical method of a random deck: the default in 80 % of them, else a random legal one."""
+"""The numerical method of a random deck: the default in 80 % of them, otherwise a random valid one."""
 
 import dataclasses
 
 TRANSFERS = {"flip": 3, "pic": 1, "apic": 2, "aflip": 2, "rflip": 3, "xpic": 2, "fmpm": 2}
-# Transfers that take from the velocities of particles what nodes do not see: without an internal energy to put it
-# in, kinetic energy is lost by intent.
+# Transfers that remove velocities of particles that nodes do not resolve: without an internal energy to receive it,
+# kinetic energy is lost by design.
 FILTERS = ("pic", "apic", "xpic", "fmpm")
 
 
@@ -18,10 +18,10 @@ class Method:
     time: dict
     keys: dict
     cfl: float = 0.4
-    filters: bool = False         # loses kinetic energy by intent
-    unstable: bool = False        # doc/theory/methods_compared.md says that it is
-    loses_momentum: bool = False  # doc/theory/quadratures.md says that it does
-    open_books: bool = False      # doc/theory/quadratures.md says that its energy is not exact
+    filters: bool = False         # loses kinetic energy by design
+    unstable: bool = False        # documented as unstable in doc/theory/methods_compared.md
+    loses_momentum: bool = False  # documented as not conserving momentum in doc/theory/quadratures.md
+    open_books: bool = False      # documented as not conserving energy exactly in doc/theory/quadratures.md
     split: bool = False
 
     @property
@@ -36,12 +36,12 @@ class Method:
 
 
 def draw(chance, plan):
-    """A method that is legal for a scene."""
+    """A method that is valid for a scene."""
     method = Method(True, {}, {}, {})
     if not chance.true(0.2):
         return method
     method.default = False
-    # volumes by the fill of nodes need the dual gradient
+    # volumes from the fill of nodes need the dual gradient
     dual = chance.true(0.6) or any("volume_from" in matter.keys for matter in plan.matters)
     keys = method.keys
     if chance.true(0.6):
@@ -77,7 +77,8 @@ def draw(chance, plan):
     method.loses_momentum = (keys.get("quadrature") == "lsd" or keys.get("paper", False)
                              or keys.get("free_surface", "fill") == "none")
     method.open_books = keys.get("quadrature") in ("control", "lsd")
-    # plain linear functions, and the stress first or last with slopes or at large steps
+    # unstable: linear functions of the plain method, usf with linear velocity fields, a large cfl, and a dual gradient
+    # without a local part
     method.unstable = (not dual and keys.get("basis", "linear") == "linear") or (
         update == "usf" and word in ("aflip", "apic")) or method.cfl > 0.5 or keys.get("alpha_0", 1.0) == 0.0
     return method
@@ -103,7 +104,7 @@ def draw_dual(chance, plan, keys):
 
 
 def draw_single(chance, plan, method):
-    """The single gradient with another basis; the program warns of linear functions with slopes."""
+    """The plain gradient with another basis; the program warns of linear functions with linear velocity fields."""
     method.run["method"] = "mpm"
     slopes = method.keys.get("transfer") in ("apic", "aflip")
     words = {"linear": 0 if slopes else 1, "gimp": 3, "cpgimp": 2, "cpdi": 2, "quadratic": 3, "cubic": 2}

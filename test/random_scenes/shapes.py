@@ -53,7 +53,7 @@ class Shape:
 
 
 def scaled(key, value, dx):
-    """Lengths in cells to metres; other keys stay."""
+    """Lengths in cells converted to metres; other keys are unchanged."""
     if key in ("shape", "axis", "normal", "of", "file", "voxel_value"):
         return value
     if key == "point_volume":
@@ -144,7 +144,7 @@ def prism(chance, dimension, half, _files):
 
 
 def hollow(chance, dimension, half, files):
-    """A ball without its middle."""
+    """A ball with a cavity."""
     outer = sphere(chance, dimension, half, files)[0]
     inner = {**outer, "radius": half[2] * chance.uniform(0.3, 0.6)}
     return [outer, inner, {"shape": "difference", "of": [0, 1]}]
@@ -165,7 +165,7 @@ def intersection(chance, dimension, half, files):
 
 
 def stl(_chance, _dimension, half, files):
-    """A solid of facets: an octahedron of the edges of the box."""
+    """A solid of facets: an octahedron with the bounding box of the body."""
     tips = [[0.0, 0.0, 0.0] for _ in range(6)]
     for axis in range(3):
         tips[2 * axis][axis], tips[2 * axis + 1][axis] = half[axis], -half[axis]
@@ -179,7 +179,7 @@ def stl(_chance, _dimension, half, files):
 
 
 def voxel(chance, _dimension, half, files):
-    """Voxels of half a cell, with holes by chance."""
+    """Voxels of half a cell, with random holes."""
     number = [max(2, int(4 * edge)) for edge in half]
     values = bytes(1 if chance.true(0.95) else 0 for _ in range(number[0] * number[1] * number[2]))
     head = (f"NDims = 3\nDimSize = {number[0]} {number[1]} {number[2]}\nElementSpacing = 0.5 0.5 0.5\n"
@@ -190,7 +190,7 @@ def voxel(chance, _dimension, half, files):
 
 
 def points(chance, dimension, half, files):
-    """A list of points, one in each half cell, moved aside by chance."""
+    """A list of points, one in each half cell, with random displacements."""
     flat = dimension == "plane_strain"
     number = [1 if flat and axis == 1 else max(2, int(4 * half[axis])) for axis in range(3)]
     lines = ["x,y,z"]

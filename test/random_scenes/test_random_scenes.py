@@ -2,14 +2,16 @@
 # tiers: smoke, full, long
 # timeout: 1800
 # timeout long: 18000
-"""Random legal decks, each judged by invariants alone; see generate.py for what is drawn and judge.py for the limits.
+"""Random valid decks, each checked by invariants alone; see generate.py for the distributions and judge.py for the
+limits.
 
     pytest test/random_scenes/test_random_scenes.py --work FOLDER
         --seed 17                  one deck: all findings; deck and outputs are kept below FOLDER
         --first 1 --count 100      some decks; --jobs J at a time
 
-Would catch what no deck that somebody tuned shows: matter that runs away with exit code 0, energy from nothing, bits
-that depend on ranks or restarts, combinations of models that nobody has tried, and runs without end.
+Would catch errors that decks with tuned parameters do not show: particles that accelerate without a cause in a run with
+exit code 0, energy that is created, bits that depend on ranks or restarts, combinations of models that no other test
+uses, and runs without end.
 """
 
 import collections
@@ -22,15 +24,15 @@ import tier
 
 COUNT = tier.choose(smoke=20, full=200, long=2000)
 TARGET = 1.0       # percent of decks
-# More than half of random decks failing would mean that a change has spoiled what is common to all of them.
+# More than half of the decks failing means that a change has broken a part that all of them use.
 LIMIT = 50.0
-# Fewer decks than this cannot tell whether a share of one percent is met.
+# With fewer decks a fraction of one percent cannot be verified.
 ENOUGH = 200
 KEPT = ("bad", "look")
 
 
 def one(options, seed, keep=False):
-    """Judge the deck of a seed; what is neither bad nor to be looked at is removed."""
+    """Check the deck of a seed; its files are removed unless the result is bad or listed for inspection."""
     scene = generate.scene(seed)
     verdict = judge.judge(options, scene, layouts=True if keep else None)
     if not keep:
@@ -47,7 +49,7 @@ def one(options, seed, keep=False):
 
 
 def table(verdicts):
-    """Counts by reason and matter, with seeds, the most frequent reason first."""
+    """Counts by reason and material, with seeds, the most frequent reason first."""
     groups = collections.defaultdict(lambda: collections.defaultdict(list))
     for verdict in verdicts:
         if verdict.result != "ok":
@@ -61,7 +63,7 @@ def table(verdicts):
 
 
 def run(options, first, count, jobs):
-    """Judge some decks, `jobs` at a time; verdicts in the order of the seeds."""
+    """Check some decks, `jobs` at a time; verdicts in the order of the seeds."""
     verdicts = []
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         for verdict in pool.map(lambda seed: one(options, seed), range(first, first + count)):

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A clamped beam in plane strain that feels gravity from one moment to the next, and what it should do.
+"""A clamped beam in plane strain under suddenly applied gravity, and its expected motion.
 
     import beams
     expected = beams.expected(poisson)                 # greatest deflection of the tip, and when
     result = beams.bend(options, "name", poisson, spacing=0.25, words="antilock='bbar'")
 
-The reference has two parts. Finite elements that do not lock (nine nodes, three pressures each: Q2/P1) give
-the deflection at rest; the clamp, which keeps the end from getting thicker, makes it some percent less than that of
-the beam of Timoshenko. The modes of that beam, with its stiffness scaled so that both agree, give the motion.
+The reference has two parts. Finite elements without locking (nine nodes, three pressures each: Q2/P1) give the static
+deflection; the clamp, which prevents the end from becoming thicker, makes it some percent smaller than that of a
+Timoshenko beam. The modes of that beam, with its stiffness scaled so that both agree, give the motion.
 """
 
 import numpy as np
@@ -30,12 +30,12 @@ DECK = """
 
 
 def elements(poisson, cells=(40, 8)):
-    """Deflection at rest of the middle of the end, by finite elements with a pressure that is linear in each."""
+    """Static deflection of the middle of the end, by finite elements with a pressure that is linear in each element."""
     nx, nz = cells
     columns = 2 * nz + 1
     hx, hz = LENGTH / nx, HEIGHT / nz
     shear, bulk = YOUNG / (2 + 2 * poisson), YOUNG / (3 - 6 * poisson)
-    # In plane strain the deviator has a part across the plane: 2 G (I - m m'/3) and G for the shear.
+    # In plane strain the deviator has a component across the plane: 2 G (I - m m'/3) and G for the shear.
     deviator = shear * np.array([[4.0 / 3.0, -2.0 / 3.0, 0.0], [-2.0 / 3.0, 4.0 / 3.0, 0.0], [0.0, 0.0, 1.0]])
     places, weights = (-np.sqrt(0.6), 0.0, np.sqrt(0.6)), (5 / 9, 8 / 9, 5 / 9)
     stiff, mean, mass, load = np.zeros((18, 18)), np.zeros((3, 18)), np.zeros((3, 3)), np.zeros(18)
@@ -57,7 +57,8 @@ def elements(poisson, cells=(40, 8)):
             mass += area * np.outer(linear, linear)
             load[1::2] += area * DENSITY * GRAVITY * np.outer(n, m).ravel()
     stiff += bulk * mean.T @ np.linalg.solve(mass, mean)
-    # Nodes column by column; unknowns of two neighbours differ by a band, so columns are eliminated in turn.
+    # Nodes are numbered column by column; the unknowns of adjacent nodes are within a band, so columns are eliminated
+    # in turn.
     size = 2 * columns
     total = np.zeros((2 * nx + 1, 3, size, size))          # rows of column i to columns i, i + 1, i + 2
     force = np.zeros((2 * nx + 1, size))
@@ -83,14 +84,14 @@ def elements(poisson, cells=(40, 8)):
 
 
 def timoshenko(poisson):
-    """Deflection at rest of a beam whose clamp lets it get thicker."""
+    """Static deflection of a beam whose clamp allows it to become thicker."""
     modulus, shear = YOUNG / (1.0 - poisson ** 2), YOUNG / (2.0 + 2.0 * poisson) * 5.0 / 6.0
     load = DENSITY * GRAVITY * HEIGHT
     return load * LENGTH ** 4 / (8.0 * modulus * HEIGHT ** 3 / 12.0) + load * LENGTH ** 2 / (2.0 * shear * HEIGHT)
 
 
 def expected(poisson, parts=200):
-    """Greatest deflection of the tip in its first swing, when, and the one at rest."""
+    """Greatest deflection of the tip in its first oscillation, its time, and the static deflection."""
     modulus, shear = YOUNG / (1.0 - poisson ** 2), YOUNG / (2.0 + 2.0 * poisson) * 5.0 / 6.0
     inertia, size = HEIGHT ** 3 / 12.0, LENGTH / parts
     stiff, mass = np.zeros((2 * parts + 2,) * 2), np.zeros(2 * parts + 2)
@@ -117,7 +118,8 @@ def expected(poisson, parts=200):
 
 @measured.recorded
 def bend(options, name, poisson, spacing, words="", method="ddmp", ppc=2):
-    """One beam: greatest fall of the middle of the end, when, and how pressure jumps between cells then."""
+    """One beam: greatest deflection of the middle of the end, its time, and the pressure differences between cells at
+    that time."""
     end = 1.15 * expected(poisson)["when"]
     deck = DECK.format(method=method, words=words, spacing=spacing, ppc=ppc, poisson=poisson, end=end, young=YOUNG,
                        density=DENSITY, gravity=-GRAVITY, length=LENGTH, height=HEIGHT)
@@ -144,7 +146,7 @@ def bend(options, name, poisson, spacing, words="", method="ddmp", ppc=2):
 
 
 def cells_of(start, pressure, spacing):
-    """Mean pressure of the cells of the first state, along the beam and across."""
+    """Mean pressure of the initial cells, along the beam and across."""
     place = np.floor(start / spacing).astype(int)
     shape = place.max(axis=0) + 1
     index = place[:, 0] * shape[1] + place[:, 1]
@@ -153,7 +155,7 @@ def cells_of(start, pressure, spacing):
 
 def jumps(start, pressure, spacing):
     """Greatest difference of a cell from the mean of its neighbours along the beam, over the greatest pressure;
-    a height of the beam off the clamp and the tip."""
+    without the parts within one height of the beam from the clamp and the tip."""
     mean = cells_of(start, pressure, spacing)
     off = int(HEIGHT / spacing)
     jump = mean[1:-1] - 0.5 * (mean[2:] + mean[:-2])
@@ -161,7 +163,7 @@ def jumps(start, pressure, spacing):
 
 
 def spread(start, pressure, spacing):
-    """Root mean square of what particles differ from their cell, over the greatest mean pressure of a cell."""
+    """Root mean square difference of particles from their cell, over the greatest mean pressure of a cell."""
     mean = cells_of(start, pressure, spacing)
     place = np.floor(start / spacing).astype(int)
     inside = (start[:, 0] > HEIGHT) & (start[:, 0] < LENGTH - HEIGHT)

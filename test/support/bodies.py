@@ -5,9 +5,10 @@
     result = bodies.spin(options, "default")                          # a dict of figures
     result = bodies.spin(options, "apic", method="mpm", words="basis='quadratic' transfer='apic'")
 
-Every problem takes the method and the words of &method, so all methods meet the same set-up. A run that does not
-end with exit code 0 and finite energies fails the test. With `may_fail` it does not: the result then has only `name`,
-`run` and `code`, the exit code, "timeout", "too many steps" or "not finite", and the caller judges the code.
+Every problem takes the method and the keys of &method, so all methods are tested with the same set-up. A run that does
+not end with exit code 0 and finite energies fails the test. With `may_fail` it does not: the result then has only
+`name`, `run` and `code` (the exit code, "timeout", "too many steps" or "not finite"), and the caller evaluates the
+code.
 """
 
 import subprocess
@@ -31,7 +32,8 @@ FIELDS = "'identity','velocity','stress'"
 def launch(options, name, deck, every=1, count=1, fields=FIELDS, may_fail=False):
     """Run a deck; the case and a dict with its exit code.
 
-    `options` may hold a `timeout` in seconds, and the `steps` at which a run that may fail has failed.
+    `options` may contain a `timeout` in seconds, and the number of `steps` at which a run that may fail counts as
+    failed.
     """
     run = case.Case(options, name, deck + END.format(every=every, count=count, fields=fields))
     most = getattr(options, "steps", None)
@@ -61,7 +63,7 @@ def rms(values):
 
 
 def rates(errors, factor=2.0):
-    """Orders of convergence between runs whose cells are `factor` times smaller each time."""
+    """Orders of convergence between runs; cells become `factor` times smaller from one run to the next."""
     return [float(np.log(coarse / fine) / np.log(factor)) for coarse, fine in zip(errors, errors[1:])]
 
 
@@ -79,12 +81,12 @@ def period(time, values):
 
 
 def chain(length, young, density, end, speed=None, gravity=0.0, elements=400, cfl=0.5):
-    """A bar of Neo and Hooke without lateral strain, held at 0: P = E (F - 1/F)/2, by finite elements.
+    """A neo-Hookean bar without lateral strain, fixed at 0: P = E (F - 1/F)/2, by finite elements.
 
-    The reference for strains that are not small: linear elements on the material, lumped mass, leapfrog,
-    400 of them and another scheme than that of the program, so its own error is far below those it is
-    held against. `speed` gives the first velocity of a place. Returns time and mean velocity of all steps
-    (velocities half a step before), places at rest, present places and stress at the end.
+    The reference for finite strains: linear elements in material coordinates, lumped mass, leapfrog; 400 elements and
+    another scheme than that of the program, so its own error is far below the errors that are measured. `speed` gives
+    the initial velocity at a position. Returns time and mean velocity of all steps (velocities half a step behind),
+    initial positions, current positions and stress at the end.
     """
     size = length / elements
     rest = np.linspace(0.0, length, elements + 1)
@@ -131,7 +133,7 @@ SPIN = """
 @measured.recorded
 def spin(options, name, method="ddmp", words="", spacing=0.1, ppc=2, speed=10.0, turns=1.0, strained=True,
          may_fail=False):
-    """An elastic disc turns; per turn: change of angular momentum and of energy."""
+    """An elastic disc rotates; changes of angular momentum and of energy per turn."""
     exact = f"&exact  solution='spinning_disc'  angular_speed={speed}  disc_radius=1 /" if strained else ""
     body = "" if strained else f"spin=0,{speed},0"
     deck = SPIN.format(method=method, words=words, spacing=spacing, ppc=ppc, exact=exact, body=body,
@@ -216,7 +218,7 @@ def held_bar(options, name, method="ddmp", words="", cells=26, ppc=4, speed=0.1,
         return result
     table = run.history
     energy = table["kinetic"] + table["internal"]
-    # kinetic energy is that of half a step before, so the energy wavers by a share of the step
+    # the kinetic energy is half a step behind, so the energy oscillates by a fraction of the step
     part = len(energy) // periods
     result.update(time=table["time"], velocity=table["momentum_x"] / table["mass"],
                   period=period(table["time"], table["momentum_x"]),
@@ -227,7 +229,7 @@ def held_bar(options, name, method="ddmp", words="", cells=26, ppc=4, speed=0.1,
 
 
 def held_bar_reference(speed, periods=10):
-    """Period of the same bar from the chain, and its mean velocity."""
+    """Period of the same bar from `chain`, and its mean velocity."""
     answer = chain(25.0, 100.0, 1.0, 10.0 * periods, lambda x: speed * np.sin(np.pi * x / 50.0))
     answer["period"] = period(answer["time"], answer["mean"])
     return answer
@@ -283,12 +285,12 @@ COLUMN = """
 &body  name='column'  region='column'  material='m'  ppc={ppc},1,1 /
 &boundary  face='xlo'  type='slip' /
 """
-COLUMN_END = 1.8                       # [s], one and a half periods: pressed together for the second time
+COLUMN_END = 1.8                       # [s], one and a half periods: compressed for the second time
 
 
 @measured.recorded
 def column(options, name, method="ddmp", words="", cells=40, ppc=4, may_fail=False):
-    """An elastic column feels gravity from one moment to the next; its foot is strained by a fifth."""
+    """An elastic column under suddenly applied gravity; its foot is strained by a fifth."""
     deck = COLUMN.format(method=method, words=words, spacing=10.0 / cells, ppc=ppc, end=COLUMN_END)
     run, result = launch(options, name, deck, count=1, may_fail=may_fail)
     if result["code"]:
@@ -312,7 +314,7 @@ def column(options, name, method="ddmp", words="", cells=40, ppc=4, may_fail=Fal
 
 
 def column_reference(kept={}):
-    """The chain under gravity, computed once."""
+    """The solution of `chain` under gravity, computed once."""
     if not kept:
         kept.update(chain(10.0, 1.0e6, 1000.0, COLUMN_END, gravity=10.0, elements=1000))
     return kept
@@ -359,7 +361,7 @@ def cantilever(options, name, method="ddmp", words="", spacing=0.25, ppc=3, end=
     return result
 
 
-# Shear of granular matter ------------------------------------------------------------------------
+# Shear of granular material ----------------------------------------------------------------------
 
 SHEAR = """
 &run  dimension='plane_strain'  method='{method}' /
@@ -378,7 +380,7 @@ SHEAR_RATE, SHEAR_MODULUS = 2.0, 3.0
 
 
 def shear_stress(time, relaxation, rate=SHEAR_RATE):
-    """Shear stress and half the first normal stress difference of simple shear from rest."""
+    """Shear stress and half the first normal stress difference in simple shear that starts from rest."""
     w = rate * relaxation
     scale, angle, fade = SHEAR_MODULUS * w / (1.0 + w * w), rate * time, np.exp(-time / relaxation)
     return (scale * (1.0 - fade * (np.cos(angle) - w * np.sin(angle))),
@@ -388,14 +390,13 @@ def shear_stress(time, relaxation, rate=SHEAR_RATE):
 @measured.recorded
 def shear(options, name, method="ddmp", words="", cells=8, ppc=2, density=1.0e-4, relaxation=0.35,
           started=False, rate=SHEAR_RATE, survival=None, may_fail=False):
-    """Plane shear between two faces that move along themselves.
+    """Plane shear between two boundaries that move parallel to themselves.
 
-    The grains are at rest when the faces begin to move, or `started` layer by layer with their speed.
-    They are so light that the first wave, which the formula does not know, has a stress of
-    sqrt(G rho) V = 1.2 % of G/2. The strain is 2.6 at any `rate`. With `survival`, the strain that a contact
-    survives, in place of `relaxation`, the stress does not depend on the rate.
-    Where rate times relaxation is above 1 the law itself has less stress for more shear, and may split into
-    bands a flow that is not uniform.
+    The grains are at rest when the boundaries begin to move, or, with `started`, each layer has its steady velocity.
+    They are so light that the first wave, which the formula does not include, has a stress of sqrt(G rho) V = 1.2 % of
+    G/2. The strain is 2.6 at any `rate`. With `survival`, the strain that a contact survives, in place of `relaxation`,
+    the stress does not depend on the rate. If rate times relaxation is above 1, the law itself gives a lower stress for
+    a higher shear rate, and may split a uniform flow into shear bands.
     """
     relaxation = survival / rate if survival else relaxation
     law = f"gr_gamma_c={survival!r}" if survival else f"gr_tau={relaxation!r}"

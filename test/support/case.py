@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run a deck from a test and read what it wrote.
+"""Run a deck from a test and read its results.
 
     import case
     def test_two_ranks(options):               # options: a fixture of test/conftest.py
@@ -24,8 +24,8 @@ import pytest
 import tier
 
 ROOT = Path(__file__).resolve().parents[2]
-# Open MPI refuses root and more ranks than cores unless told otherwise, and would bind all threads
-# of a rank to one core.
+# Open MPI refuses to run as root and with more ranks than cores unless this is allowed, and would bind all threads of a
+# rank to one core.
 OPEN_MPI = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -38,7 +38,7 @@ OPEN_MPI = {
 
 
 def arguments(description=None):
-    """The options --scree PROGRAM and --work FOLDER of a script that is no test."""
+    """The options --scree PROGRAM and --work FOLDER of a script that is not a test."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--scree", default=ROOT / "build/bin/scree")
     parser.add_argument("--work", required=True)
@@ -54,7 +54,7 @@ def arguments(description=None):
 
 @functools.lru_cache(maxsize=None)
 def version(scree):
-    """What the program says of its version, compiler and MPI."""
+    """Version, compiler and MPI of the program, as it prints them."""
     return subprocess.run([str(scree), "--version"], stdout=subprocess.PIPE, text=True, check=True).stdout
 
 
@@ -64,7 +64,7 @@ def has_ranks(scree):
 
 
 def gfortran_of(options):
-    """The gfortran of the build around the program; the test is skipped if another compiler built it."""
+    """The gfortran of the build that contains the program; the test is skipped if another compiler was used."""
     if "gfortran" not in version(options.scree):
         pytest.skip("this program was not built with gfortran")
     cache = (options.scree.parents[1] / "CMakeCache.txt").read_text(encoding="utf-8")
@@ -78,7 +78,7 @@ def need_ranks(scree):
 
 
 class Case:
-    """One deck in a folder of its own, which is emptied first unless `keep` is true."""
+    """One deck in a separate folder, which is emptied first unless `keep` is true."""
 
     def __init__(self, options, name, deck, ranks=1, threads=1, keep=False):
         self.scree, self.name = options.scree, name
@@ -93,7 +93,7 @@ class Case:
 
     def command(self, *options):
         """The words that run the program with further options. Results of an earlier call are
-        replaced unless the call goes on from them or `guarded` is true."""
+        replaced unless the call restarts from them or `guarded` is true."""
         words = [self.scree, "--case", self.name, "--outdir", self.folder, *options, self.deck]
         if not self.guarded and not {"--restart", "-r", "--check", "--job"} & set(map(str, options)):
             words.insert(1, "--overwrite")
@@ -104,17 +104,17 @@ class Case:
 
     @property
     def environment(self):
-        """What the program finds in its environment."""
+        """The environment of the program."""
         return {**os.environ, **OPEN_MPI, "OMP_NUM_THREADS": str(self.threads)}
 
     def start(self, *options, **how):
-        """Start the program and do not wait; `how` goes to Popen."""
+        """Start the program without waiting; `how` is passed to Popen."""
         return subprocess.Popen(self.command(*options), env=self.environment, cwd=self.folder,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **how)
 
     def run(self, *options, expect=0, timeout=None, **how):
-        """Run the program with further options; `expect` is the exit code, None takes any; `timeout` in seconds has a
-        default for each tier; `how` goes to subprocess.run, its `env` on top of that of the case."""
+        """Run the program with further options; `expect` is the exit code, None accepts any; the default of `timeout`
+        [s] depends on the tier; `how` is passed to subprocess.run, with its `env` added to that of the case."""
         timeout = timeout or (1500 if tier.NAME == "long" else 250)
         environment = {**self.environment, **how.pop("env", {})}
         answer = subprocess.run(self.command(*options), env=environment, timeout=timeout,
@@ -132,7 +132,7 @@ class Case:
 
     @property
     def summary(self):
-        """What CASE.summary.json holds."""
+        """The content of CASE.summary.json."""
         return json.loads(self.path(".summary.json").read_text(encoding="utf-8"))
 
     @property
@@ -148,6 +148,6 @@ class Case:
 
 
 def post():
-    """The package scree_post of python/src/, which knows the formats of all files; its modules take a while."""
+    """The package scree_post of python/src/, which reads all file formats; importing its modules takes a while."""
     import scree_post
     return scree_post

@@ -28,7 +28,7 @@ SCENE = """&run  dimension='{dimension}'  method='{method}' /
 
 
 def scene(material, stages, end, **more):
-    """A unit cell full of one material; `stages` are the groups &stage, or None for no cell at all."""
+    """A unit cell filled with one material; `stages` are the groups &stage, or None for a scene without a cell."""
     values = {"dimension": "plane_strain", "method": "ddmp", "thick": 1.0, "dx": 0.125, "cfl": 0.5, "words": "flip=1",
               "effects": "", "body": "", "every": 1, "tilt": 0, **more}
     values.update(material=material, end=end)
@@ -40,14 +40,14 @@ def scene(material, stages, end, **more):
 
 
 def granular(relaxation, rate=2.0, strain=6.0, dimension="plane_strain"):
-    """Relaxing contacts of G = 3 Pa in steady shear from rest."""
+    """Granular material with relaxing contacts, G = 3 Pa, in steady shear that starts from rest."""
     rates = f"0,0,0,{rate},0,0" if dimension == "3d" else f"0,0,0,0,{rate},0"
     return scene(f"density=0.1  bulk=5  shear=3  strength_model='granular'  gr_tau={relaxation}",
                  f"&stage  rate={rates}  strain={strain} /", strain / rate, dx=0.25, dimension=dimension)
 
 
 def kelvin(cells, method="ddmp", transfer="flip", strain=1.0, viscosity=0.02, speed=0.1):
-    """A wave across the plane of shear in a viscous fluid, with its vector along x at the start."""
+    """A wave across the plane of shear in a viscous fluid, with its initial wave vector along x."""
     dx = 1.0 / cells
     return scene(f"density=1  bulk=25  strength_model='newtonian'  viscosity={viscosity}",
                  f"&stage  rate=0,0,0,0,1,0  strain={strain} /", strain, method=method,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run the program with less than it needs: without permission, on a small disk, with a limit on the size of files.
+"""Run the program under restrictions: without permission, on a small disk, with a limit on the size of files.
 
     import confine
     with confine.user(options) as somebody:       # an ordinary user, also where the tests run as root
@@ -24,23 +24,23 @@ import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
-# Open MPI begins with shared files of megabytes, which a limit on files forbids; one rank needs none of them.
+# Open MPI starts with shared files of megabytes, which a limit on file sizes forbids; one rank does not need them.
 NO_SHARED_FILES = {"PMIX_MCA_gds": "hash", "OMPI_MCA_btl": "self"}
-NOBODY = 65534      # the user without rights of Linux; no files belong to it
-# Both ways hide the disk from all other processes and remove it with the last process on it.
+NOBODY = 65534      # the user without rights of Linux, who owns no files
+# Both methods hide the disk from all other processes and remove it with the last process on it.
 WAYS = (("unshare", "--map-root-user", "--mount"), ("unshare", "--mount"))
 MOUNT = 'mount -t tmpfs -o size="$1" tmpfs "$2" && shift 2 && exec "$@"'
 
 
 class User:
-    """Somebody who is not root: this user, or NOBODY if this user is root."""
+    """A user other than root: the current user, or NOBODY if that is root."""
 
     def __init__(self, options):
         self.identity, self.why, self.options = {}, "", options
         self.folder = None
         if os.geteuid() == 0:
             self.identity = {"user": NOBODY, "group": NOBODY, "extra_groups": []}
-        # an ordinary user may not enter every folder in which root works
+        # an ordinary user cannot enter every folder in which root works
         for parent in dict.fromkeys((tempfile.gettempdir(), "/tmp", "/var/tmp")):
             self.leave()
             self.folder = Path(tempfile.mkdtemp(prefix="scree_user_", dir=parent))
@@ -59,7 +59,7 @@ class User:
                 return
 
     def give(self, path):
-        """Let a folder and all in it belong to the user."""
+        """Make the user the owner of a folder and all its content."""
         if self.identity:
             for place in (path, *path.rglob("*")):
                 os.chown(place, NOBODY, NOBODY)
@@ -75,7 +75,8 @@ class User:
 
 @contextlib.contextmanager
 def user(options):
-    """An ordinary user with a folder of its own, which is removed at the end; `why` says what prevents it."""
+    """An ordinary user with a separate folder, which is removed at the end; `why` gives the reason if this is not
+    possible."""
     somebody = User(options)
     try:
         yield somebody
@@ -84,14 +85,14 @@ def user(options):
 
 
 def short_files(size):
-    """How to run on one rank such that no file can grow beyond some bytes."""
+    """Arguments for a run on one rank in which no file can exceed a given size."""
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
     return {"preexec_fn": limit, "env": NO_SHARED_FILES}
 
 
 def way_to_small_disks(folder):
-    """The way to mount a small file system in a folder that this user and machine allow; None if there is none."""
+    """The method to mount a small file system in a folder that this user and machine allow; None if there is none."""
     folder.mkdir(parents=True, exist_ok=True)
     for way in WAYS:
         with contextlib.suppress(OSError):
@@ -102,9 +103,9 @@ def way_to_small_disks(folder):
 
 
 def on_small_disk(way, folder, size, words):
-    """Exit code of a command that finds a new, empty file system of some size in a folder."""
+    """Exit code of a command that runs with a new, empty file system of a given size in a folder."""
     command = [*way, "sh", "-c", MOUNT, "sh", size, folder, *words]
-    # Open MPI names a folder after the number of the user, which is 0 in there: it would be that of root
+    # Open MPI names a folder after the user number, which is 0 there: the folder would be that of root
     with tempfile.TemporaryDirectory(prefix="scree_disk_") as place:
         return subprocess.run([str(word) for word in command], check=False,
                               env={**os.environ, "TMPDIR": place}).returncode

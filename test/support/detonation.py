@@ -29,7 +29,7 @@ class Products:
         return cold / (1.0 - 0.5 * self.omega * (1.0 - volume) / volume)
 
     def detonation(self):
-        """Speed, pressure and relative volume where the line of Rayleigh touches the Hugoniot: D is least there."""
+        """Speed, pressure and relative volume at which the Rayleigh line touches the Hugoniot, where D is least."""
         low, high = 0.5, 0.95
         share = 0.5 * (np.sqrt(5.0) - 1.0)
         while high - low > 1.0e-9:
@@ -43,7 +43,7 @@ class Products:
         return np.sqrt(pressure / self.density / (1.0 - volume)), pressure, volume
 
     def isentrope(self, volume, start, pressure):
-        """Pressure and energy on the isentrope through a state, by the closed form of JWL."""
+        """Pressure and energy on the isentrope through a state, from the closed form of JWL."""
         energy = self.chemical + 0.5 * pressure * (1.0 - start)
         term = (self.stiff / self.r1 * np.exp(-self.r1 * start) + self.soft / self.r2 * np.exp(-self.r2 * start))
         constant = (energy - term) * start ** self.omega

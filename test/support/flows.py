@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Flows of grains with closed solutions or measured laws, which tests and figures share.
+"""Granular flows with closed solutions or measured laws, which tests and figures share.
 
     import flows
     result = flows.incline(options, "slope", angle=24.0, height=0.01, end=4.0)
@@ -36,7 +36,8 @@ INCLINE = """
 
 
 def bagnold(place, angle, height):
-    """Steady speed at a height above the base [m/s] of a layer of a height on a slope of an angle in degrees."""
+    """Steady speed at a height above the base [m/s] of a layer of a given height on a slope of a given angle in
+    degrees."""
     slope = np.radians(angle)
     number = I0 * (np.tan(slope) - MU_S) / (MU_2 - np.tan(slope))
     return (2.0 * number / (3.0 * DIAMETER) * np.sqrt(PACKING * GRAVITY * np.cos(slope))
@@ -44,9 +45,9 @@ def bagnold(place, angle, height):
 
 
 def slope_reference(angle, height, end, layers=40):
-    """Mean speed by time of a layer that starts from rest: the law of mu(I) in finite volumes, p hydrostatic.
+    """Mean speed over time of a layer that starts from rest: the law mu(I) in finite volumes with hydrostatic p.
 
-    For slopes on which all of the layer flows, so that its friction is that of the flow everywhere.
+    For slopes on which the whole layer flows, so that its friction is that of the flow everywhere.
     """
     slope, size = np.radians(angle), height / layers
     pressure = DENSITY * GRAVITY * np.cos(slope) * (height - np.arange(layers) * size)
@@ -70,8 +71,8 @@ def incline(options, name, method="ddmp", words="flip=0.9999", angle=24.0, heigh
     """A layer of grains on a slope, one cell long and periodic, with a base that sticks and a free surface.
 
     It starts with `start` times the steady profile of its own or another angle. The bulk modulus is `softness`
-    times the weight of the layer, so that the step is bounded by waves of sqrt(softness) sqrt(g h). The share
-    of PIC, 1 - flip in each step, is a viscosity of about a tenth of (1 - flip) dx2/dt: with the default of
+    times the weight of the layer, so that the step is limited by waves of speed sqrt(softness) sqrt(g h). The PIC
+    fraction, 1 - flip in each step, acts as a viscosity of about a tenth of (1 - flip) dx2/dt: with the default of
     0.001 and 10 cells it is 3 % of that of the grains, with 0.0001 a tenth of that.
     """
     slope, spacing, layers = np.radians(angle), height / cells, cells * ppc
@@ -118,10 +119,11 @@ BLOCK = """
 @measured.recorded
 def block(options, name, method="ddmp", words="", angle=24.0, friction=float(np.tan(np.radians(15.0))),
           spacing=0.25, ppc=2, end=1.0):
-    """A block of 1 m slides down a slope with friction; mean way and speed by time, in the direction of the slope.
+    """A block of 1 m slides down a slope with friction; mean distance and speed over time, in the direction of the
+    slope.
 
-    It starts without stress, so it bounces a little, and where it has lifted off there is no friction: an error of
-    the order of mu L/c in the speed with the length L of the block and the speed c of its waves.
+    It starts without stress, so it bounces a little, and while it is lifted off there is no friction: an error of the
+    order of mu L/c in the speed with the length L of the block and the speed c of its waves.
     """
     slope = np.radians(angle)
     width = spacing * np.ceil((2.5 + 0.5 * GRAVITY * end ** 2 * np.sin(slope)) / spacing)
@@ -171,7 +173,7 @@ def measured_height(aspect, axisymmetric=False):
 
 
 def thickness(snap, aspect, axisymmetric):
-    """Middles of columns and how thick the grains lie there, in half widths, if they were as dense as at first."""
+    """Centres of columns and the thickness of the grains there, in half widths, at their initial density."""
     wide = HALF_WIDTH * aspect ** 0.5 / 16.0
     place = snap.points[:, 0] / wide + 0.5     # a particle is shared between two columns, at 0 with its image
     column, volume = place.astype(int), snap.fields["mass"] / 1500.0
@@ -184,9 +186,10 @@ def thickness(snap, aspect, axisymmetric):
 
 
 def front(snap, aspect, axisymmetric):
-    """Run-out over the half width: where the pile gets thinner than 2 % of the root of half its section.
+    """Run-out over the half width: the position at which the pile becomes thinner than 2 % of the root of half its
+    section.
 
-    That is about a grain of the experiments; single grains that leap ahead do not count.
+    This is about a grain of the experiments; single grains ahead of the pile are not counted.
     """
     middle, thick = thickness(snap, aspect, axisymmetric)
     least = 0.02 * aspect ** 0.5
@@ -198,13 +201,13 @@ def front(snap, aspect, axisymmetric):
 @measured.recorded
 def collapse(options, name, method="ddmp", words="", aspect=1.0, axisymmetric=False, cells=None,
              ppc=2, law=SAND, softness=100.0, ends=1.6, count=48):
-    """A column of dry sand, `aspect` times as high as half of it is wide, is let go on a rough plane.
+    """A column of dry sand with the aspect ratio `aspect`, height over half width, is released on a rough plane.
 
-    Drucker and Prager's law has no length and no time, so that run-outs depend on the aspect ratio alone, as in
-    the experiments. The angle of 45 degrees with the cone of plane strain is a coefficient of friction of 0.65 in
-    simple shear without dilation, tan 33 degrees, about the angle of repose of sand. The base sticks, so grains
-    slide on grains; what the base is made of made no difference in the experiments. The bulk modulus is
-    `softness` times the weight of the column.
+    The law of Drucker and Prager has no length and no time scale, so run-outs depend on the aspect ratio alone, as in
+    the experiments. The angle of 45 degrees with the plane strain cone is a coefficient of friction of 0.65 in simple
+    shear without dilation, tan 33 degrees, about the angle of repose of sand. The base sticks, so grains slide on
+    grains; in the experiments the material of the base had no effect. The bulk modulus is `softness` times the weight
+    of the column.
     """
     height, cells = aspect * HALF_WIDTH, cells or COLUMN_CELLS[aspect]
     spacing, unit = HALF_WIDTH / cells, np.sqrt(height / GRAVITY)
@@ -235,7 +238,7 @@ def collapse(options, name, method="ddmp", words="", aspect=1.0, axisymmetric=Fa
     return result
 
 
-# Waves that fade ----------------------------------------------------------------------------------
+# Decaying waves -----------------------------------------------------------------------------------
 
 WAVE = """
 &run  dimension='plane_strain'  method='{method}' /
@@ -249,13 +252,13 @@ WAVE = """
 &boundary  face='zlo'  type='periodic' /
 &boundary  face='zhi'  type='periodic' /
 """
-WAVE_SPEED = 1.0e-3                    # greatest speed; the strain stays below a thousandth [m/s]
+WAVE_SPEED = 1.0e-3                    # greatest speed; the strain is below a thousandth [m/s]
 
 
 def fading(time, relaxation):
-    """Amplitude of a standing wave of shear and of its stress over G/c, for a first speed of 1 and no stress.
+    """Amplitude of a standing shear wave and of its stress over G/c, for an initial speed of 1 and no initial stress.
 
-    u'' + u'/tau + (c k)**2 u = 0: it swings where tau is long, and creeps like in a viscous fluid where short.
+    u'' + u'/tau + (c k)**2 u = 0: it oscillates where tau is long, and decays as in a viscous fluid where tau is short.
     """
     turn, fade = 2.0 * np.pi * np.sqrt(3.0), 0.5 / relaxation
     root = np.sqrt(complex(turn ** 2 - fade ** 2))
@@ -266,7 +269,7 @@ def fading(time, relaxation):
 
 @measured.recorded
 def wave(options, name, method="ddmp", words="", cells=64, ppc=2, relaxation=0.2, end=0.6):
-    """A standing wave of shear in grains whose stress relaxes; amplitudes by time."""
+    """A standing shear wave in grains whose stress relaxes; amplitudes over time."""
     spacing, layers = 1.0 / cells, cells * ppc
     deck = WAVE.format(method=method, words=words, wide=spacing, spacing=spacing, end=end, relaxation=relaxation)
     for n in range(layers):
@@ -282,7 +285,7 @@ def wave(options, name, method="ddmp", words="", cells=64, ppc=2, relaxation=0.2
         seen.append((time, (sine * snap.fields["velocity"][:, 0]).sum() / WAVE_SPEED,
                      (cosine * snap.fields["stress"][:, 5]).sum() / (WAVE_SPEED * np.sqrt(3.0))))
     seen = np.array(seen)
-    # velocities stand half a step before the stresses
+    # velocities are half a step behind the stresses
     step = np.where(seen[:, 0] > 0.0, np.interp(seen[:, 0], run.history["time"], run.history["dt"]), 0.0)
     exact = np.array([fading(seen[:, 0] - 0.5 * step, relaxation)[0], fading(seen[:, 0], relaxation)[1]])
     result.update(curve=seen, exact=exact, speed=np.abs(seen[:, 1] - exact[0]).max(),

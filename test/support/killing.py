@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kill a run at random moments and let it go on from its newest checkpoint."""
+"""Kill a run at random times and restart it from its newest checkpoint."""
 
 import os
 import random
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import case
 
-# A step takes about a millisecond, so most moments fall near or into a checkpoint.
+# A step takes about a millisecond, so most times are near or during the writing of a checkpoint.
 DECK = """
 &run  dimension='3d' /
 &grid  lo=0,0,0  hi=12,12,12  dx=1 /
@@ -26,7 +26,7 @@ DECK = """
 
 
 def family(root):
-    """A process and all that it has started, directly or not."""
+    """A process and all its descendants."""
     parents = {}
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
@@ -43,7 +43,7 @@ def family(root):
 
 
 def kill_family(root):
-    """Kill mpiexec and its ranks at one moment, as a machine that fails would."""
+    """Kill mpiexec and its ranks at the same time, as a machine that fails would."""
     members = family(root)
     for number in (signal.SIGSTOP, signal.SIGKILL):
         for pid in members:
@@ -54,7 +54,7 @@ def kill_family(root):
 
 
 def wait_for_steps(run, child):
-    """Wait until the first step begins: mpiexec and reading a checkpoint take their time."""
+    """Wait until the first step begins: starting mpiexec and reading a checkpoint take some time."""
     while child.poll() is None:
         time.sleep(0.005)
         if run.path(".log").is_file() and "t/t_end" in run.path(".log").read_text(
@@ -63,7 +63,7 @@ def wait_for_steps(run, child):
 
 
 def reported(run):
-    """Numbers of the checkpoints that the last start has reported, and of that it began from."""
+    """Numbers of the checkpoints that the last start has reported, and of the one from which it started."""
     log = run.path(".log")
     text = log.read_text(encoding="utf-8", errors="replace") if log.is_file() else ""
     written = [int(number) for number in re.findall(r"checkpoint \S+_chk_(\d+)\.h5 at step", text)]
@@ -72,8 +72,8 @@ def reported(run):
 
 
 def end_by_kills(options, sheet, number, seed, ranks=1):
-    """Kill a run `number` times, restart it each time, and compare its end with that of a run in
-    one piece: state, history and snapshots."""
+    """Kill a run `number` times, restart it each time, and compare its end with that of an uninterrupted run: state,
+    history and snapshots."""
     whole = case.Case(options, f"whole_{ranks}", DECK)
     whole.name, whole.deck = "killed", whole.deck.rename(whole.folder / "killed.nml")
     whole.ranks = ranks
@@ -94,7 +94,7 @@ def end_by_kills(options, sheet, number, seed, ranks=1):
         else:
             time.sleep(chance.uniform(0.02, 0.5) * length)
         if child.poll() is not None:
-            # it came to its end first: begin anew
+            # the run has ended before it was killed: start again
             sheet.require(child.returncode == 0, f"exit code {child.returncode}: "
                           f"{child.stdout.read()[-500:]}")
             sheet.require(run.summary["digest"] == whole.summary["digest"],
@@ -128,7 +128,7 @@ def end_by_kills(options, sheet, number, seed, ranks=1):
         sheet.require((whole.folder / name).read_bytes() == (run.folder / name).read_bytes(),
                       f"{ranks} ranks: {name} is that of the whole run")
     sheet.require(not any(run.folder.glob("*.part")), "no half file is left at the end")
-    if number >= 20:      # fewer may by chance all fall before the first checkpoint
+    if number >= 20:      # a small number of kills may by chance all occur before the first checkpoint
         sheet.require(followed > 0, f"{followed} restarts are followed in the log")
         sheet.require(written > number // 4, f"{written} checkpoints between {number} kills")
     print(f"         {ranks} ranks: {kills} kills, {partial} of them in the middle of a file, "

@@ -7,7 +7,7 @@
     state = lammps.State.of_checkpoint(path)
     force, torque = lammps.forces(folder, state, density, "pair_style ...", steps=100)
 
-Pairs of LAMMPS have k_n, k_t in N/m and dashpots m gamma v with the reduced mass m; ours have g sqrt(m) v.
+Pairs in LAMMPS have k_n, k_t in N/m and dashpots m gamma v with the reduced mass m; those of scree have g sqrt(m) v.
 """
 
 import os
@@ -19,7 +19,8 @@ import h5py
 import numpy as np
 
 PROGRAM = shutil.which("lmp")
-# forces on both grains of a pair are added by both, as ours are; ghosts have velocities, which dashpots need
+# each of the two ranks of a pair computes the forces on both grains, as in scree; dashpots need the velocities of
+# ghosts
 HEAD = """units si
 atom_style sphere
 boundary p p p
@@ -99,7 +100,7 @@ def forces(folder, state, density, pair, steps=0):
 
 
 def shear(folder, state, density, pair, rate, strain, timeout=900):
-    """Stress of a shear of constant volume: columns strain, p_xy, p_yy, p with the motion that is not the flow's."""
+    """Stress in shear at constant volume: columns strain, p_xy, p_yy, p, with the motion relative to the flow."""
     sheared = State(**{**state.__dict__, "velocity": state.velocity + rate * state.position[:, 1:2] * [1.0, 0, 0]})
     steps = round(strain / rate / state.dt)
     every = max(steps // 400, 1)

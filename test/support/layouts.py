@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One deck on many layouts of ranks and threads, with and without balance, whole and restarted.
+"""One deck on many combinations of ranks and threads, with and without load balancing, uninterrupted and restarted.
 
-Every layout must end in the state of one rank with one thread, to the last bit.
+Every run must end in the state of one rank with one thread, to the last bit.
 """
 
 import itertools
@@ -75,7 +75,7 @@ def decks():
 
 
 class Matrix:
-    """One deck in one place; counts the runs."""
+    """One deck in one folder; counts the runs."""
 
     def __init__(self, options, sheet, name, deck, steps):
         self.options, self.sheet, self.name, self.deck, self.steps = (
@@ -87,7 +87,7 @@ class Matrix:
         self.moved = 0
 
     def new(self, word, ranks, threads, balance):
-        """A run in a folder of its own; the case has the same name everywhere."""
+        """A run in a separate folder; the case has the same name in all of them."""
         run = case.Case(self.options, f"{self.name}_{word}", self.deck + BALANCE[balance],
                         ranks, threads)
         run.name, run.deck = self.name, run.deck.rename(run.folder / f"{self.name}.nml")
@@ -95,13 +95,13 @@ class Matrix:
         return run
 
     def whole(self, ranks, threads, balance):
-        """From the start to the end."""
+        """An uninterrupted run."""
         run = self.new("whole", ranks, threads, balance).run("-q")
         self.compare(run, f"{ranks} x {threads}, balance {balance}")
         self.moved += run.summary.get("traffic", {}).get("tiles_sent", 0)
 
     def stopped(self, step, before, after, balance):
-        """Stopped at a step on one layout, continued on others."""
+        """A run that is stopped at a step with some ranks and threads, and continued with others."""
         run = self.new("stopped", *before, balance).run("-q", "-s", f"time.max_steps={step}")
         self.sheet.require(run.summary["digest"] != self.digest, f"{self.name}: {step} is not the end")
         kept = {path: path.read_bytes() for path in run.folder.glob("*_chk_*.h5")}
@@ -117,7 +117,7 @@ class Matrix:
                          f" balance {balance}")
 
     def compare(self, run, text):
-        """The last state is that of one rank and thread."""
+        """Check that the last state is that of one rank and thread."""
         found = run.summary["digest"]
         self.sheet.require(found == self.digest,
                            f"{self.name}: {text}: {found}, not {self.digest}")
@@ -125,7 +125,8 @@ class Matrix:
 
 
 def run_few(options, sheet):
-    """The smallest deck on four layouts, balance on, and one restart on another layout."""
+    """The smallest deck with four combinations of ranks and threads, with load balancing, and one restart with another
+    combination."""
     name, deck, steps = next(row for row in decks() if row[0] == "bar")
     matrix = Matrix(options, sheet, name, deck, steps)
     for ranks, threads in ((2, 1), (1, 2), (3, 1)):
@@ -136,8 +137,8 @@ def run_few(options, sheet):
 
 
 def run_all(options, sheet, ranks, threads, restarts):
-    """All decks on the product of ranks, threads and balance; `restarts` tells which of the stops
-    at the first, a middle and the last but one step are made."""
+    """All decks for all combinations of ranks, threads and load balancing; `restarts` selects which of the stops at the
+    first, a middle and the last but one step are made."""
     grid = list(itertools.product(ranks, threads))
     for name, deck, steps in decks():
         matrix = Matrix(options, sheet, name, deck, steps)

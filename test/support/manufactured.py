@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs of manufactured solutions that are finer and finer, and how fast their errors fall.
+"""Runs of manufactured solutions on successively finer grids, and the convergence of their errors.
 
     import manufactured
     line = manufactured.waves(options, "default", "ddmp", amplitude=0.1, cells=(16, 32, 64))
@@ -10,13 +10,13 @@ The error is the root mean square of the displacement error of all particles at 
 value in the run, over the greatest displacement of the solution. A run that fails is a failed test; with `may_fail` its
 error is infinite.
 
-`dispersion` is the closed error of schemes of second order. A wave exp(i k x) of particles is seen by nodes through
+`dispersion` is the closed error of schemes of second order. A wave exp(i k x) of particles reaches the nodes through
 the functions, whose transform is sinc(k h/2)**(p + 1) for splines of degree p; once when nodes take velocities, once
-when particles take accelerations, and twice, for strain and force, through their gradients, where images of k above
-the lattice count too. With lumped masses and particles as dense as points of an integral this gives
-(w/(c k))2 = 1 - 2 kappa (k h)2 with kappa = 1/8, 1/4, 1/3 for p = 1, 2, 3. The dual gradient is averaged over the nodes
-of a cell, with a weight that falls from 1 at its faces, for strain and force: up to (k h)2/3 more, so kappa is between
-1/8 and 7/24 for linear functions. Boxes of particles of a width of h/4 (gimp, cpgimp, cpdi) add 0.004 to kappa.
+when particles take accelerations, and twice, for strain and force, through their gradients, where images of k above the
+lattice contribute too. With lumped masses and particles as dense as points of an integral this gives (w/(c k))2 = 1 - 2
+kappa (k h)2 with kappa = 1/8, 1/4, 1/3 for p = 1, 2, 3. The dual gradient is averaged over the nodes of a cell, with a
+weight that decreases from 1 at its faces, for strain and force: up to (k h)2/3 more, so kappa is between 1/8 and 7/24
+for linear functions. Boxes of particles of a width of h/4 (gimp, cpgimp, cpdi) add 0.004 to kappa.
 """
 
 import math
@@ -59,7 +59,8 @@ VORTEX = """
 
 PERIOD = 0.02                          # of the waves: 2 L/c with L = 1 m, c = 100 m/s [s]
 CONTROL = "quadrature='control'"
-# One step like that of the dual domain methods for others: nothing damps, stress at the end.
+# One method like the default of the dual domain method for all others: no damping, stress updated at the end of the
+# step.
 PLAIN = "stress_update='usl'  flip=1"
 AFFINE = "stress_update='usl'  transfer='aflip'"
 KAPPA = {"linear": 1 / 8, "gimp": 1 / 8, "cpgimp": 1 / 8, "cpdi": 1 / 8, "quadratic": 1 / 4, "cubic": 1 / 3,
@@ -68,19 +69,19 @@ PPC = {"1d": "{0},1,1", "plane_strain": "{0},1,{0}", "3d": "{0},{0},{0}"}
 
 
 def dispersion(basis, cells, angle=math.pi, amplitude=0.0):
-    """Closed error of the displacement of a wave sin(pi X) after it swung by an angle, over its amplitude.
+    """Closed error of the displacement of a wave sin(pi X) after a given phase angle, over its amplitude.
 
-    The wave lags by kappa (pi h)2 of its angle; root mean square over a line. With a large amplitude the cells are
-    stretched: the wave is at most 1 + pi A times as short as it was.
+    The wave lags by kappa (pi h)2 of its phase; root mean square over a line. With a large amplitude the cells are
+    stretched: the wavelength is reduced by at most the factor 1 + pi A.
     """
     return KAPPA[basis] * (math.pi / cells * (1.0 + math.pi * amplitude)) ** 2 * angle / math.sqrt(2.0)
 
 
 def forced(basis, cells, angle, stiffness=1.0, amplitude=0.0):
-    """Bounds of the errors of displacement and velocity in planes and space, over the amplitudes of both.
+    """Bounds of the errors of displacement and velocity in planes and in 3-D, over the amplitudes of both.
 
-    There the body force holds the motion, and the error is that of an oscillator whose stiffness, `stiffness` times
-    that of the wave, is off by 2 kappa (pi h)2, pushed by all of the displacement all the time.
+    There the body force maintains the motion, and the error is that of an oscillator whose stiffness, `stiffness` times
+    that of the wave, has a relative error of 2 kappa (pi h)2, driven by the whole displacement at all times.
     """
     off = 2.0 * KAPPA[basis] * (math.pi / cells * (1.0 + math.pi * amplitude)) ** 2 * stiffness / math.sqrt(2.0)
     root = math.sqrt(stiffness)
@@ -89,7 +90,7 @@ def forced(basis, cells, angle, stiffness=1.0, amplitude=0.0):
 
 
 class Series:
-    """Errors of one method on grids that are finer and finer; a run that failed, where it may, has infinity."""
+    """Errors of one method on successively finer grids; a run that failed, where it may, has an infinite error."""
 
     def __init__(self, name):
         self.name, self.cells, self.errors, self.seconds, self.steps = name, [], [], [], []
@@ -152,7 +153,7 @@ def waves(options, name, method="ddmp", words="", amplitude=0.1, cells=(16, 32, 
 
 def vortex(options, name, method="ddmp", words="", twist=0.1, cells=(10, 20), ppc=3, end=1.0, cfl=0.4,
            body="", may_fail=False):
-    """A ring whose circles turn to and fro; cells in a unit of length, half of them in its width."""
+    """A ring whose circles rotate back and forth; cells per unit of length, half of them across its width."""
     series = Series(name)
     for number in cells:
         deck = VORTEX.format(method=method, spacing=f"{1.0 / number:.17g}", end=end, cfl=cfl, words=words,

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Record what a test measures, and compare it with the pages that show it.
+"""Record the numbers that a test measures, and compare them with the pages that show them.
 
     import measured
     measured.record("default, 10 cells", {"energy": -4.2e-4, "displacement": 5.9e-4})
     measured.record("run-out", 1.36, limit=1.5)
 
-All checks of a sheet (report.py) are recorded as well. The name of a number is that of the test file, the text, and the
-key: spin.default_10_cells.energy. At the end of a test its numbers are written to measured.jsonl in the folder of the
-tests, and those that a page of doc/ names (scripts/document_numbers.py) must be what the page says, to one unit of its
-last digit.
+All checks of a sheet (report.py) are recorded as well. The name of a number consists of the name of the test file, the
+text, and the key: spin.default_10_cells.energy. At the end of a test its numbers are written to measured.jsonl in the
+folder of the tests, and numbers that a page of doc/ names (scripts/document_numbers.py) must agree with the page, to
+one unit of its last digit.
 """
 
 import functools
@@ -24,18 +24,18 @@ ROWS, STEM = [], [""]
 
 
 def begin(stem):
-    """A test of another file begins."""
+    """Start recording for another test file."""
     STEM[0] = stem.removeprefix("test_")
 
 
 def slug(text):
-    """A text as a name."""
+    """A text converted to a name."""
     words = re.sub(r"-{2,}", "-", re.sub(r"[^a-z0-9.+-]+", "_", text.lower()))
     return re.sub(r"_*\._*", ".", words).strip("_")
 
 
 def record(what, value, limit=None):
-    """A number, or several by key; those that are no finite numbers are left out."""
+    """Record a number, or several by key; numbers that are not finite are left out."""
     if isinstance(value, dict):
         for key, number in value.items():
             record(f"{what}.{slug(str(key))}", number, limit)
@@ -50,7 +50,8 @@ def record(what, value, limit=None):
 
 
 def recorded(run):
-    """A function run(options, name, ...) that returns a dictionary, whose numbers are recorded under that name."""
+    """A decorator for a function run(options, name, ...) that returns a dictionary, whose numbers are recorded under
+    that name."""
     @functools.wraps(run)
     def wrapped(options, name, *words, **more):
         result = run(options, name, *words, **more)
@@ -80,7 +81,7 @@ def save(rows, path, test):
 
 @functools.lru_cache(maxsize=None)
 def shown():
-    """Where pages show a number, by its name."""
+    """The positions at which pages show a number, by its name."""
     found = {}
     for place in document_numbers.all_places():
         found.setdefault(place.name, []).append(place)
@@ -88,13 +89,13 @@ def shown():
 
 
 def compared(name):
-    """Whether a number of this tier is that of the page; runs of another tier may differ."""
+    """True if a number of this tier must agree with the page; runs of another tier may differ."""
     row = document_numbers.table(document_numbers.MEASURED).get(name, {"tier": "page"})
     return tier.NAME == row["tier"] or row["tier"] == "page" and tier.NAME != "smoke"
 
 
 def differences(rows):
-    """What pages say otherwise. A name that a page shows must not be used for two values."""
+    """Differences between measured numbers and pages. A name that a page shows must not be used for two values."""
     wrong = []
     for name in filter(compared, sorted({row["name"] for row in rows} & set(shown()))):
         values = [row["value"] for row in rows if row["name"] == name]
@@ -106,6 +107,6 @@ def differences(rows):
 
 
 def missing(names, test):
-    """Numbers that pages show as measured by a test in this tier, and that it did not measure."""
+    """Numbers that pages show as measured by a test in this tier and that the test did not measure."""
     return sorted(name for name, row in document_numbers.table(document_numbers.MEASURED).items()
                   if row["test"] == test and row["tier"] == tier.NAME and name not in names)

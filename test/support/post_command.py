@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run the command scree-post inside a test, and small runs of the program for it to look at.
+"""Run the command scree-post inside a test, and small runs of the program as its input.
 
     import post_command
     answer = post_command.call("info", path)     # answer.returncode, answer.stdout, answer.stderr
 
-A new Python for each call would take most of the time of the tests; that the command also starts by
-itself is tested once.
+Starting Python for each call would take most of the time of the tests; that the command also starts by itself is tested
+once.
 """
 
 import contextlib
@@ -21,7 +21,7 @@ import case
 
 PACKAGES = case.ROOT / "python/src"
 INPUT = case.ROOT / "input"
-# Small runs: options of the program by the folder of their results.
+# Small runs: options of the program by the name of the folder of their results.
 RUNS = {
     "two_discs": ("two_discs/scene.nml", ("grid.dx=0.05", "output[discs].dt=0.5")),
     "coarse": ("two_discs/scene.nml", ("grid.dx=0.1",)),
@@ -38,7 +38,7 @@ RUNS = {
 
 
 def call(*words, folder="/"):
-    """Exit code and what scree-post prints, in this process, from another folder."""
+    """Exit code and output of scree-post, in this process, called from another folder."""
     from scree_post import command
     out, errors, here, saved = io.StringIO(), io.StringIO(), os.getcwd(), sys.argv
     sys.argv = ["scree-post", *map(str, words)]
@@ -56,7 +56,7 @@ def call(*words, folder="/"):
 
 
 def process(*words, folder="/"):
-    """The same in a process of its own and without a display."""
+    """The same in a separate process and without a display."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     environment["PYTHONPATH"] = str(PACKAGES)
     return subprocess.run([sys.executable, "-m", "scree_post", *map(str, words)], cwd=folder,

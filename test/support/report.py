@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Print what a test measured beside its limits; a test fails at its end if one of them was not met.
+"""Print the measured values of a test with their limits; a test fails at its end if one of them was not met.
 
     def test_momentum(options, sheet):
         sheet.below("momentum error", error, 1.0e-13)
@@ -9,9 +9,9 @@
         with sheet.part("a name"):                                     # an assertion in it is one check
             assert first == second
 
-The fixture `sheet` of test/conftest.py makes it and judges it. Lines that begin with KNOWN or SKIPPED are collected by
-scripts/run_tests.py, which prints them in one table at the end of every run. A test that cannot run here calls
-pytest.skip(why), whose line is printed as well.
+The fixture `sheet` of test/conftest.py creates and evaluates it. Lines that begin with KNOWN or SKIPPED are collected
+by scripts/run_tests.py, which prints them in one table at the end of every run. A test that cannot run on this machine
+calls pytest.skip(why), whose line is printed as well.
 """
 
 import contextlib
@@ -19,7 +19,7 @@ import math
 
 import measured
 
-NOT_RUN = 77    # exit code of a test that was skipped whole
+NOT_RUN = 77    # exit code of a test that was skipped as a whole
 
 
 def skipped(what, why):
@@ -28,7 +28,7 @@ def skipped(what, why):
 
 
 class Report:
-    """A list of checks. Every check is printed, met or not, so that margins can be read."""
+    """A list of checks. Every check is printed, met or not, so that margins are visible."""
 
     def __init__(self):
         self.missed, self.checks = [], 0
@@ -44,7 +44,7 @@ class Report:
         self._line(name, value, f">= {limit:.6g}", value >= limit)
 
     def near(self, name, value, expected, share):
-        """A number must equal another one within a share of that."""
+        """A number must equal another one within a relative tolerance."""
         error = value / expected - 1.0
         measured.record(name, value)
         measured.record(f"{name}.error", error, share)
@@ -52,7 +52,7 @@ class Report:
                    abs(error) <= share)
 
     def require(self, condition, text):
-        """Something must hold, such as a guard against an empty pass."""
+        """A condition must hold, such as a control against a test that shows nothing."""
         self.checks += 1
         if not condition:
             self.missed.append(text)
@@ -62,7 +62,7 @@ class Report:
         """A known miss: the size of a number must not exceed `limit`, and its target is not met yet.
 
         A value that meets the target fails too: replace the row by `below(name, value, target)`. The limit keeps a
-        known miss from growing and has a reason like any other limit.
+        known miss from growing and needs a reason like any other limit.
         """
         measured.record(name, value, limit)
         self.checks += 1
@@ -77,7 +77,7 @@ class Report:
         print(f"KNOWN    {name}: {value:.6g} (target <= {target:.3g}, limit {limit:.3g})", flush=True)
 
     def skipped(self, what, why):
-        """A part of the test that cannot run here."""
+        """Record a part of the test that cannot run on this machine."""
         skipped(what, why)
 
     def note(self, name, value):
@@ -95,7 +95,7 @@ class Report:
 
     @contextlib.contextmanager
     def part(self, *names, **more):
-        """A part of a test whose assertions are one check; what follows it runs all the same."""
+        """A part of a test whose assertions are one check; the rest of the test runs even if it fails."""
         self.checks += 1
         try:
             yield
@@ -105,11 +105,11 @@ class Report:
             print(f"FAILED   {name}: {error}", flush=True)
 
     def good(self):
-        """Whether all checks were met, and there was one."""
+        """True if all checks were met, and there was at least one."""
         return bool(self.checks) and not self.missed
 
     def verdict(self):
-        """How many checks were met, and the names of the others."""
+        """Number of checks that were met, and the names of the others."""
         if not self.checks:
             return "no check was made"
         missed = "".join(f"\n   {name}" for name in self.missed)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Closed solutions of shocks in solids and gases, independent of the program.
 
-Mie-Grueneisen material with a straight line Us = c0 + s up, as doc/theory/equations_of_state.md writes it, with the
-strength of von Mises; and ideal gases. Roots by bisection, isentropes by Runge and Kutta.
+Mie-Grueneisen material with a linear Hugoniot Us = c0 + s up, as in doc/theory/equations_of_state.md, with the strength
+of von Mises; and ideal gases. Roots by bisection, isentropes by a Runge-Kutta method.
 """
 
 import dataclasses
@@ -11,7 +11,7 @@ import numpy as np
 
 
 def solve(function, low, high):
-    """Root between two places of different sign."""
+    """Root between two positions with values of different sign."""
     sign = function(low) > 0.0
     assert sign != (function(high) > 0.0), "no change of sign"
     middle = low
@@ -26,7 +26,7 @@ def solve(function, low, high):
 
 @dataclasses.dataclass(frozen=True)
 class Metal:
-    """Constants in SI; without shear modulus a fluid."""
+    """Constants in SI; without a shear modulus a fluid."""
 
     name: str
     density: float
@@ -45,13 +45,13 @@ class Metal:
         return text
 
     def heating(self, density):
-        """Grueneisen number times density; in vapour the number goes to 1, or to twice that of the solid."""
+        """Grueneisen number times density; towards vapour the number tends to 1, or to twice that of the solid."""
         share, vapour = min(density / self.density, 1.0), min(1.0, 2.0 * self.gamma)
         return self.density * share * (vapour + (3.0 * self.gamma - 2.0 * vapour) * share
                                        - (2.0 * self.gamma - vapour) * share ** 2)
 
     def pressure(self, density, energy):
-        """Equation of state; in expansion that of the energy c0^2 (1 - rho/rho0)^2/2 and of the heat above it."""
+        """Equation of state; in expansion that of the energy c0^2 (1 - rho/rho0)^2/2 plus the heat above it."""
         bulk, strain = self.density * self.sound ** 2, 1.0 - self.density / density
         if strain > 0.0:
             cold = bulk * strain / (1.0 - self.slope * strain) ** 2 * (1.0 - 0.5 * self.gamma * strain)
@@ -61,7 +61,7 @@ class Metal:
         return bulk * share ** 2 * (share - 1.0) + self.heating(density) * heat
 
     def shock(self, speed):
-        """Shock speed, pressure, density and energy of a fluid that was at rest."""
+        """Shock speed, pressure, density and energy behind a shock in a fluid at rest."""
         front = self.sound + self.slope * speed
         return {"speed": front, "pressure": self.density * front * speed, "energy": 0.5 * speed ** 2,
                 "density": self.density * front / (front - speed)}
@@ -71,7 +71,8 @@ class Metal:
         start = self.shock(speed)
 
         def slopes(volume, state):
-            """Derivatives of energy and velocity to the specific volume; dp/dv along the isentrope by differences."""
+            """Derivatives of energy and velocity with respect to the specific volume; dp/dv along the isentrope by
+            differences."""
             energy = state[0]
             pressure = self.pressure(1.0 / volume, energy)
             small = 1.0e-5 * volume
@@ -103,7 +104,7 @@ class Metal:
         return {"velocity": state[1], "energy": state[0], "density": 1.0 / volume}
 
     def precursor(self):
-        """The elastic wave of a solid at its limit, with logarithmic strain."""
+        """The elastic wave of a solid at its elastic limit, with logarithmic strain."""
         density = self.density * np.exp(self.strength / (2.0 * self.shear))
         jump = 1.0 / self.density - 1.0 / density
         stress = solve(lambda s: self.pressure(density, 0.5 * s * jump) + 2.0 / 3.0 * self.strength - s, 0.0, 1.0e11)
@@ -111,7 +112,7 @@ class Metal:
                 "energy": 0.5 * stress * jump, "speed": np.sqrt(stress / jump) / self.density}
 
     def plastic(self, speed):
-        """The second shock, into what the elastic wave left; its speed as seen from matter at rest."""
+        """The second shock, into the state behind the elastic wave; its speed relative to material at rest."""
         ahead = self.precursor()
 
         def state(density):
@@ -167,7 +168,7 @@ class Riemann:
         return 2.0 * sound / (gamma - 1.0) * ((pressure / gas.pressure) ** (0.5 * (gamma - 1.0) / gamma) - 1.0)
 
     def beside(self, side):
-        """Density beside the contact."""
+        """Density on either side of the contact discontinuity."""
         gas, ratio = (self.left, self.right)[side], self.pressure / (self.left, self.right)[side].pressure
         share = (self.gamma - 1.0) / (self.gamma + 1.0)
         if ratio > 1.0:
@@ -175,7 +176,7 @@ class Riemann:
         return gas.density * ratio ** (1.0 / self.gamma)
 
     def fronts(self, side):
-        """Speeds of a wave, outer one first; both are the same for a shock."""
+        """Speeds of the fronts of a wave, outer one first; both are the same for a shock."""
         gas, sound, gamma = (self.left, self.right)[side], self.sounds[side], self.gamma
         sign = (-1.0, 1.0)[side]
         if self.pressure > gas.pressure:
@@ -186,7 +187,7 @@ class Riemann:
         return gas.velocity + sign * sound, self.velocity + sign * inner
 
     def density(self, speed):
-        """Density at places that move with some speeds x/t."""
+        """Density at positions that move with given speeds x/t."""
         gamma, result = self.gamma, np.where(speed < self.velocity, *self.densities)
         for side, sign in ((0, -1.0), (1, 1.0)):
             gas, sound = (self.left, self.right)[side], self.sounds[side]

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How a block slides down an incline, from the snapshots of a run whose gravity is turned instead of the floor."""
+"""Sliding of a block down an incline, from the snapshots of a run in which gravity is rotated instead of the floor."""
 
 import numpy as np
 
 
 def sliding(run, belongs, settled, friction=0.0):
-    """Acceleration of a block along the slope plus friction times that normal to it, from a parabola through its places
-    after it has settled [s], and its last velocity along the slope. `belongs` chooses its particles in a snapshot."""
+    """Acceleration of a block along the slope plus friction times that normal to it, from a parabola fitted to its
+    positions after the initial vibration [s], and its last velocity along the slope. `belongs` selects its particles
+    in a snapshot."""
     times, places, speed = [], [], 0.0
     for time, snap in run.snapshots():
         here = belongs(snap)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Results of a cell of grains with known constants, as scree --grains would write them.
+"""Results of a cell of grains with known constants, in the format of scree --grains.
 
     import synthetic_cell
     synthetic_cell.write(folder, seed=1)       # CASE_history.csv, CASE.echo.nml, contacts, grains, moduli
@@ -45,7 +45,7 @@ def noise(generator, rows, width, inner=5):
 
 
 def rows_of(stages, generator):
-    """Rows of the history and the time at which each stage ends."""
+    """Rows of the history and the end time of each stage."""
     rows = [[0.0, 1, 0.0, 0.0, -10.0, -10.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0]]
     time = strain = stress = 0.0
     ends = []
@@ -78,7 +78,7 @@ def rows_of(stages, generator):
 
 
 def echo(stages):
-    """The deck as the program echoes it."""
+    """The echo of the deck, as the program writes it."""
     lines = ["&run", f"   case = '{CASE}'", "/", "&grains", "   shape = 'discs'", "   number = 100",
              f"   diameter = {DIAMETER}", f"   density = {DENSITY}", "   friction = 0.4", "/", "&cell",
              f"   pressure = {PRESSURE}", "/"]
@@ -114,7 +114,7 @@ def write_contacts(folder, stages, ends, generator, snapshots, count):
             time = begin + (end - begin) * (k + 1) / snapshots
             window = length * (k + 1) / snapshots
             ages = generator.exponential(AGE, count)
-            # older contacts were born in the stage before, where they lived longer
+            # older contacts began in the previous stage, where they had longer lifetimes
             ages = np.where(ages < window, ages, window + generator.exponential(10.0 * AGE, count))
             name = f"{CASE}_KIND_{len(entries['grains']):06d}.hdf"
             write_snapshot(folder / name, time, generator, ages, abs(rate_of(inertial)))

@@ -5,9 +5,9 @@
     result = taylor.strike(options, "coarse", taylor.MEASURED, spacing=0.635)   # a dict of figures
     result["length"], result["foot"], result["waist"]                          # [m]
 
-The surface of a bar lies half a lattice distance outside of its outer particles. Identities tell which
-particles were neighbours at the start, so each line of the lattice is drawn out by half a step to the
-surface, however flat the particles there are.
+The surface of a bar is half a lattice distance outside of its outer particles. Identities show which particles were
+neighbours at the start, so each line of the lattice is extrapolated by half a step to the surface, however flat the
+particles there are.
 """
 
 import dataclasses
@@ -32,17 +32,19 @@ class Bar:
 
 MEASURED = Bar("scene.nml", 25.4, 3.81)
 CLASSIC = Bar("classic.nml", 32.4, 3.2)
-#: Length, diameter of the foot and waist of MEASURED, by G. R. Johnson and T. J. Holmquist (1988) [mm].
+# : Length, diameter of the foot and intermediate diameter in experiments, by G. R. Johnson and T. J. Holmquist (1988)
+# [mm].
 EXPERIMENT = (16.2, 13.5, 10.1)
 
 
 def extend(line):
-    """The place half a step beyond the last place of a line of the lattice, by the last three places."""
+    """Extrapolate half a step beyond the last position of a line of the lattice, from the last three positions."""
     return line[-1] + 0.5 * (1.5 * (line[-1] - line[-2]) - 0.5 * (line[-2] - line[-3]))
 
 
 def outline(first, last):
-    """Side and ends of the bar now: places (r, z) in order of the lattice, from snapshots at start and end."""
+    """Side and ends of the bar at the end: positions (r, z) in order of the lattice, from snapshots at start and
+    end."""
     begin = first.points[np.argsort(first.fields["identity"])]
     now = last.points[np.argsort(last.fields["identity"])][:, [0, 2]]
     columns, rows = (np.unique(begin[:, k].round(9), return_inverse=True)[1] for k in (0, 2))
@@ -54,7 +56,7 @@ def outline(first, last):
 
 
 def measure(bar, first, last):
-    """Length, greatest radius of the foot and diameter a fifth of the first length above the wall [m]."""
+    """Length, greatest radius of the foot and diameter at a fifth of the initial length above the wall [m]."""
     shape = outline(first, last)
     side, rear = shape["side"], shape["rear"]
     waist = np.interp(0.2 * bar.length * MILLIMETRE, side[:, 1], side[:, 0])
@@ -64,7 +66,7 @@ def measure(bar, first, last):
 
 @measured.recorded
 def strike(options, name, bar, spacing=None, words="", method="ddmp", settings=(), timeout=250):
-    """Run a deck with cells of another size [mm] and other words of &method; sizes, strain and books."""
+    """Run a deck with another cell size [mm] and other keys of &method; sizes, strain and balances."""
     deck = (FOLDER / bar.deck).read_text(encoding="utf-8")
     if words:
         deck += f"&method  {words} /\n"
@@ -89,6 +91,6 @@ def strike(options, name, bar, spacing=None, words="", method="ddmp", settings=(
 
 
 def difference(result):
-    """Mean relative error of length, diameter of the foot and waist against those measured."""
+    """Mean relative error of length, diameter of the foot and intermediate diameter against the measured ones."""
     found = result["length"], 2.0 * result["foot"], result["waist"]
     return float(np.mean([abs(value / MILLIMETRE / right - 1.0) for value, right in zip(found, EXPERIMENT)]))

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How much of a test runs: the tier in SCREE_TIER, which CTest sets from the line `# tiers:` of the test.
+"""Selects the parts of a test to run: the tier in SCREE_TIER, which CTest sets from the line `# tiers:` of the test.
 
     import tier
     cells = tier.choose(smoke=(16, 32), full=(16, 32, 64, 128))
     if tier.NAME != "smoke":
         ...
 
-smoke: a few seconds that meet the same code; full: all that is verified by default; long: studies of many minutes.
-Without SCREE_TIER a test runs in full.
+smoke: a few seconds that execute the same code; full: all verification that is done by default; long: studies of many
+minutes. Without SCREE_TIER a test runs in full.
 """
 
 import os
@@ -19,6 +19,6 @@ if NAME not in TIERS:
 
 
 def choose(full, smoke=None, long=None):
-    """What holds in this tier; `smoke` and `long` are `full` if left out."""
+    """The value for this tier; `smoke` and `long` default to `full`."""
     value = {"smoke": smoke, "full": full, "long": long}[NAME]
     return full if value is None else value

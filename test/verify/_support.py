@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where scripts of this folder that are no tests find the modules of the tests; they import it first.
+"""Adds the folders of the test modules to the search path of scripts in this folder that are not tests; they import
+this module first.
 
-For tests test/pytest.ini says the same.
+For tests test/pytest.ini does the same.
 """
 
 import sys

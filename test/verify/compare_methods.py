@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One table over all problems of verification and the main ways to compute.
+"""One table of all verification problems and the main methods.
 
     python test/verify/compare_methods.py --scree build/bin/scree --work FOLDER
 
-runs every problem with every way and writes FOLDER/comparison.json and the table in Markdown. A figure is
-the one that decides: an error against the closed solution, or a change of energy. A run that fails is
-`x`; figures that are above the limit of their row are in brackets. The last line counts the rows in
-which a way is within the limit, the line above it is the mean over the rows of log10(figure/limit),
-with a figure counted as no less than a hundredth and no more than a hundred times the limit, so that no
-single row decides. `--only WORD` takes the problems, `--ways WORD` the ways whose
-name holds a word; `--from FILE FILE ...` writes the table of such runs together without running.
+runs every problem with every method and writes FOLDER/comparison.json and the table in Markdown. A figure is the
+decisive one of a problem: an error against the closed solution, or a change of energy. A run that fails is `x`; figures
+above the limit of their row are in brackets. The last line is the number of rows in which a method is within the limit.
+The line above it is the mean over the rows of log10(figure/limit); in it a figure counts as at least a hundredth and at
+most a hundred times the limit, so that no single row dominates. `--only WORD` selects problems, `--ways WORD` selects
+methods whose name contains a word; `--from FILE FILE ...` writes the table of earlier runs without running them again.
 """
 
 import argparse
@@ -26,7 +25,7 @@ import _support
 import bodies
 import case
 
-WAYS = {  # heading: method, words of &method
+WAYS = {  # heading: method, keys of &method
     "ddmp": ("ddmp", ""),
     "ddmp flip": ("ddmp", "transfer='flip'"),
     "ddmp aflip": ("ddmp", "transfer='aflip'"),
@@ -45,12 +44,12 @@ WAYS = {  # heading: method, words of &method
     "quadratic usl": ("mpm", "basis='quadratic' transfer='rflip' stress_update='usl'"),
     "cubic rflip": ("mpm", "basis='cubic' transfer='rflip'"),
 }
-FURTHER = {  # if the program has them
+FURTHER = {  # further methods, if the program has them
     "ddmp sub-points": ("ddmp", "quadrature='sub_points'"),
     "cpdi": ("mpm", "basis='cpdi'"),
     "cpdi rflip": ("mpm", "basis='cpdi' transfer='rflip'"),
 }
-LARGEST = 100.0        # a figure counts in the mean as no more than this many limits, and no less than 1/this
+LARGEST = 100.0        # in the mean a figure counts as at most this many limits, and at least 1/this
 
 WAVES = """
 &run  dimension='1d'  method='{method}' /
@@ -81,7 +80,7 @@ VORTEX = """
 
 
 def load(place):
-    """The module of a test, for its deck and its closed solution."""
+    """The module of a test, which contains its deck and its closed solution."""
     path = _support.HERE / place
     spec = importlib.util.spec_from_file_location(path.stem, path)
     module = importlib.util.module_from_spec(spec)
@@ -96,7 +95,7 @@ def waves(options, name, method, words):
 
 
 def vortex(options, name, method, words):
-    """The ring whose middle is turned by one radian, just before it turns back."""
+    """The ring whose centre circle is rotated by one radian, just before it reverses."""
     run, result = bodies.launch(options, name, VORTEX.format(method=method, words=words), every=5, may_fail=True)
     if result["code"]:
         return None
@@ -105,7 +104,7 @@ def vortex(options, name, method, words):
 
 
 def disc(options, name, method, words):
-    """A turn of a disc."""
+    """One revolution of a disc."""
     result = bodies.spin(options, name, method, words, may_fail=True)
     return None if result["code"] else [abs(result["drift"]), result["displacement"]]
 
@@ -117,7 +116,7 @@ def free_bar(options, name, method, words):
 
 
 def held_bar(options, name, method, words):
-    """Ten periods with crossing."""
+    """Ten periods with cell crossing."""
     result = bodies.held_bar(options, name, method, words, cells=26, speed=0.75, may_fail=True)
     if result["code"]:
         return None
@@ -132,13 +131,13 @@ def discs(options, name, method, words):
 
 
 def column(options, name, method, words):
-    """Column with crossing."""
+    """Column with cell crossing."""
     result = bodies.column(options, name, method, words, cells=80, may_fail=True)
     return None if result["code"] else [result["stress"]]
 
 
 def cantilever(options, name, method, words):
-    """Fall of the tip against finite elements."""
+    """Deflection of the tip against finite elements."""
     result = bodies.cantilever(options, name, method, words, may_fail=True)
     return None if result["code"] else [abs(result["fall"] / -3.27 - 1.0)]
 
@@ -192,7 +191,7 @@ ROWS = [  # problem, figures with their limits
 
 
 def measure(options, only="", some=""):
-    """All figures: {row: {way: figure or None}}, and processor seconds over those of the first way."""
+    """All figures: {row: {method: figure or None}}, and processor time relative to the first method."""
     ways = dict(WAYS)
     listed = case.Case(options, "template", "").run("--template").output
     ways.update({way: words for way, words in FURTHER.items()
@@ -226,7 +225,7 @@ def short(figure, limit):
 
 
 def write(table, cost):
-    """The table in Markdown, one way a line."""
+    """The table in Markdown, one method per line."""
     limits = {label: limit for _, figures in ROWS for label, limit in figures}
     rows = list(table)
     ways = list(next(iter(table.values())))

@@ -33,7 +33,7 @@ def save(figure, name):
 
 
 def slope(axes, places, errors, order):
-    """A line of an order through the last point."""
+    """A line with the slope of an order through the last point."""
     places = np.asarray(places, float)
     axes.loglog(places, errors[-1] * (places / places[-1]) ** order, "k:", label=f"order {order}")
 
@@ -69,7 +69,7 @@ def spin(options):
 
 
 def free_bar(options):
-    """Energy of the vibration; rates."""
+    """Energy of the vibration; orders."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(8.0, 3.0))
     for name, method, words in (("ddmp", "ddmp", ""), ("ddmp usf", "ddmp", "stress_update='usf'"),
                                 ("quadratic", "mpm", "basis='quadratic'"), ("gimp", "mpm", "basis='gimp'"),
@@ -91,7 +91,7 @@ def free_bar(options):
 
 
 def held_bar(options):
-    """Mean velocity over ten periods; rate of the period."""
+    """Mean velocity over ten periods; order of the period."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(8.0, 3.0))
     exact = bodies.held_bar_reference(0.75)
     left.plot(exact["time"], exact["mean"], "k", label="finite elements")
@@ -134,7 +134,7 @@ def two_discs(options):
 
 
 def column(options):
-    """Stress after one and a half periods, and rates."""
+    """Stress after one and a half periods, and orders."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(8.0, 3.0))
     exact = bodies.column_reference()
     for name, method, words in (("mpm", "mpm", ""), ("quadratic", "mpm", "basis='quadratic'"), ("ddmp", "ddmp", "")):
@@ -173,7 +173,7 @@ def cantilever(options):
 
 
 def shear(options):
-    """Stress as the shear begins."""
+    """Stress at the start of the shear."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(8.0, 3.0))
     for axes, relaxation, more in ((left, 0.35, {"density": 5e-4}), (right, 0.7, {"started": True, "density": 0.1})):
         result = bodies.shear(options, "shear", relaxation=relaxation, **more)
@@ -220,7 +220,7 @@ def shocks(options):
 
 
 def main():
-    """All figures, or those whose name holds a word."""
+    """All figures, or those whose name contains a word."""
     options = case.arguments()
     parser = argparse.ArgumentParser()
     parser.add_argument("--only", default="")

@@ -24,7 +24,7 @@ matplotlib.use("Agg")
 
 
 def incline(options):
-    """Steady profiles; mean speed by time on slopes that differ."""
+    """Steady profiles; mean speed over time on slopes with different angles."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(8.0, 3.0))
     heights = np.linspace(0.0, 0.01, 100)
     for angle, start, end in ((22.0, 0.7, 2.0), (24.0, 0.0, 3.5), (26.0, 1.2, 3.0)):
@@ -46,7 +46,7 @@ def incline(options):
 
 
 def contacts(options):
-    """Rate independence and waves that fade."""
+    """Rate independence and decaying waves."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(8.0, 3.0))
     time = np.linspace(0.0, 1.3, 200)
     for exact in bodies.shear_stress(time, 0.15):
@@ -98,7 +98,7 @@ def runout(options):
 
 
 def main():
-    """All figures, or those whose name holds a word."""
+    """All figures, or those whose name contains a word."""
     options = case.arguments()
     parser = argparse.ArgumentParser()
     parser.add_argument("--only", default="")

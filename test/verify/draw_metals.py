@@ -27,7 +27,7 @@ STYLE = {"font.size": 8, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth"
 
 
 def bars(options):
-    """The measured bar at five times with its plastic strain; sizes of the classic bar by cells."""
+    """The measured bar at five times with its plastic strain; dimensions of the classic bar for several cell sizes."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.5, 2.9), width_ratios=(2.2, 1.0))
     result = taylor.strike(options, "picture", taylor.MEASURED)
     for number, snap in enumerate(result["snapshots"]):
@@ -59,7 +59,8 @@ def bars(options):
 
 
 def waves(options):
-    """Stress of precursor and plastic shock in three metals; free surfaces of flyer and spall; waves at a contrast."""
+    """Stress of precursor and plastic shock in three metals; free surfaces in flyer impact and spall; waves at a jump
+    of impedance."""
     figure, (left, middle, right) = pyplot.subplots(1, 3, figsize=(9.5, 2.9))
     tools = case.post()
     for metal, speed, name in ((test_precursor.AL_2024, 400, "Al-2024, 400 m/s"),
@@ -100,7 +101,7 @@ def waves(options):
 
 
 def main():
-    """All figures, or those with a word in their names."""
+    """All figures, or those whose names contain a word."""
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--only", default="")
     only, rest = parser.parse_known_args()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs decks of the material point code Scree and reads, draws and compares what it writes.
+"""Runs decks of the material point code Scree, and reads, draws and compares its results.
 
     import scree
     run = scree.run("scene.nml", set={"grid.dx": 0.05})        # or scree.open("out/scene")
@@ -7,7 +7,7 @@
     run.snapshots[-1]["velocity"]
     scree.plot.field(run.snapshots[-1], "pressure").savefig("pressure.png")
 
-All values are in SI, whatever units the files are in. Modules are imported when a name is used, so that the commands of
+All values are in SI, for files in any units. Modules are imported when a name is used, so that the commands of
 scree_post start fast.
 """
 from __future__ import annotations
@@ -44,7 +44,7 @@ _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    if name == "open":                                   # open within this package is that of Python
+    if name == "open":                                   # within this package `open` is the function of Python
         name = "open_run"
     if name in _HOME:
         return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Order of convergence, extrapolated value and error bound of a number on three grids, and what a smaller error costs.
+"""Order of convergence, extrapolated value and error bound of a number on three grids, and the cost of a smaller error.
 
 From three values follow the observed order, the value for cells of size zero (L. F. Richardson 1911) and a bound of the
 error of the finest run, the grid convergence index (P. J. Roache, J. Fluids Eng. 116 (1994) 405; I. B. Celik and
@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SAFE, CAUTIOUS = 1.25, 3.0               # safety factors: the order is as expected, or it is not
-EXPECTED = (0.5, 2.5)                    # orders that are trusted
+SAFE, CAUTIOUS = 1.25, 3.0               # safety factors: if the order is as expected, and if it is not
+EXPECTED = (0.5, 2.5)                    # orders for which the smaller safety factor is used
 UNCHANGED = 1.0e-12                      # relative changes below this are round-off
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What three runs tell of a number."""
+    """Results of a convergence analysis of three runs for one number."""
 
     kind: str                            # monotone, oscillating, not converging, does not change
     order: float                         # observed, NaN without one
@@ -30,7 +30,7 @@ class Verdict:
 
 
 def observed_order(coarse: float, middle: float, ratio_fine: float, ratio_coarse: float) -> float:
-    """Order p with (f3-f2)/(f2-f1) = r21^p (r32^p-1)/(r21^p-1); the right side grows with p.
+    """Order p with (f3-f2)/(f2-f1) = r21^p (r32^p-1)/(r21^p-1); the right side increases with p.
 
     Arguments are the changes f3-f2 and f2-f1 and the two ratios of cell sizes, all above 1. The order is within -10
     and 20.
@@ -50,7 +50,7 @@ def observed_order(coarse: float, middle: float, ratio_fine: float, ratio_coarse
 
 
 def judge(sizes: Sequence[float], values: Sequence[float]) -> Verdict:
-    """The verdict on a number from its values on three grids, coarse first."""
+    """The convergence analysis of a number from its values on three grids, coarse first."""
     coarse, middle, fine = values
     first, last = coarse - middle, middle - fine
     ratio_coarse, ratio_fine = sizes[0] / sizes[1], sizes[1] / sizes[2]
@@ -68,7 +68,7 @@ def judge(sizes: Sequence[float], values: Sequence[float]) -> Verdict:
 
 
 def cost_law(sizes: Sequence[float], seconds: Sequence[float], dimensions: int) -> tuple[float, float]:
-    """Core-seconds for cells of size 1 if the cost grows as h^-(d+1), and the power that the runs show."""
+    """Core-seconds for cells of size 1 if the cost grows as h^-(d+1), and the exponent found in the runs."""
     used = [(size, cost) for size, cost in zip(sizes, seconds) if cost > 0.0]
     if len(used) < 2:
         return math.nan, math.nan
@@ -78,7 +78,7 @@ def cost_law(sizes: Sequence[float], seconds: Sequence[float], dimensions: int) 
 
 def forecast(sizes: Sequence[float], seconds: Sequence[float], verdict: Verdict, tolerance: float,
              dimensions: int) -> tuple[float, float] | None:
-    """Size of the cells whose error is within a tolerance and their core-seconds; None without an order."""
+    """Size of the cells for an error within a tolerance and their core-seconds; None without an order."""
     if verdict.kind != "monotone" or not verdict.error > 0.0:
         return None
     size = sizes[-1] * (tolerance / verdict.error) ** (1.0 / min(verdict.order, EXPECTED[1]))

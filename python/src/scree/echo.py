@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The groups of the deck as used, which every file of a run carries in SI."""
+"""The groups of the echo of the deck, which every file of a run contains in SI."""
 from __future__ import annotations
 
 import functools
@@ -18,6 +18,6 @@ def _read(echo: str) -> Any:
 
 
 def groups(echo: str, name: str) -> list[dict[str, Any]]:
-    """The keys of all groups of a name."""
+    """The keys of all groups with a name."""
     found = _read(echo).get(name, [])
     return [dict(group) for group in (found if isinstance(found, list) else [found])]

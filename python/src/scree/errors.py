@@ -8,18 +8,19 @@ import os
 from collections.abc import Iterable
 from typing import Any
 
-EXIT_DIFFERENT = 1       # a comparison or a study found something
-EXIT_USAGE = 2           # command line or deck wrong
-EXIT_FILE = 3            # file missing, unreadable, or not what was expected
+EXIT_DIFFERENT = 1       # a comparison or a study found a difference
+EXIT_USAGE = 2           # error in the command line or the deck
+EXIT_FILE = 3            # file missing, unreadable, or of another kind
 EXIT_PHYSICS = 4         # the computation failed
-EXIT_DEFECT = 5          # a result contradicts itself, or the program is wrong
+EXIT_DEFECT = 5          # a result contradicts itself, or the program has a defect
 EXIT_STOPPED = 75        # stopped with a checkpoint
 
 
 class ScreeError(Exception):
     """A message for the user and the exit code that goes with it.
 
-    `messages` holds the lines that the program printed, if the error is that of a run, and `folder` its results.
+    `messages` are the lines that the program printed, if the error is that of a run, and `folder` is the folder of its
+    results.
     """
 
     default = EXIT_FILE
@@ -33,13 +34,13 @@ class ScreeError(Exception):
 
 
 class DeckError(ScreeError):
-    """The deck or an option is wrong; nothing was computed."""
+    """The deck or an option has an error; nothing was computed."""
 
     default = EXIT_USAGE
 
 
 class FileProblem(ScreeError):
-    """A file is missing, damaged or cannot be written, or results of an earlier run are in the way."""
+    """A file is missing, damaged or cannot be written, or results of an earlier run exist."""
 
     default = EXIT_FILE
 
@@ -51,7 +52,7 @@ class PhysicsError(ScreeError):
 
 
 class InternalError(ScreeError):
-    """The program ended in a way that it should not; please report it."""
+    """The program ended with an internal error; please report it."""
 
     default = EXIT_DEFECT
 
@@ -63,7 +64,7 @@ class Interrupted(ScreeError):
 
 
 class StaleView(ScreeError):
-    """A view of a field of a Simulation was used after the simulation had stepped on."""
+    """A view of a field of a Simulation was used after a further step of the simulation."""
 
     default = EXIT_USAGE
 
@@ -73,7 +74,7 @@ BY_CODE: dict[int, type[ScreeError]] = {
 
 
 def error_of_run(code: int, messages: Iterable[str], folder: str = "") -> ScreeError:
-    """The error for an exit code of the program other than 0; its text is what the program printed."""
+    """The error for an exit code of the program other than 0; its text is the output of the program."""
     lines = [line for line in messages if line.strip()]
     kind = BY_CODE.get(code, InternalError)
     text = "\n".join(lines) or f"scree ended with exit code {code} and printed no reason"
@@ -87,14 +88,14 @@ def error_of_run(code: int, messages: Iterable[str], folder: str = "") -> ScreeE
 
 
 def reason_of(said: str, code: int) -> str:
-    """Why a run failed, from what the program said: its first error, or its last line."""
+    """Reason for the failure of a run from the output of the program: its first error, or its last line."""
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     errors = [line for line in lines if "error" in line.lower()]
     return (errors or lines[-1:] or [f"exit code {code}"])[0][:200]
 
 
 def modules(*names: str) -> list[Any]:
-    """Import what a command needs, with one clear line if it is not installed."""
+    """Import the modules that a command needs, with a one-line message if one is not installed."""
     try:
         return [importlib.import_module(name) for name in names]
     except ImportError as error:
@@ -105,7 +106,7 @@ def modules(*names: str) -> list[Any]:
 
 
 def nearest(name: object, known: Iterable[object]) -> str:
-    """A hint at the closest name and a list of all names."""
+    """A hint with the closest name and a list of all names."""
     words = [str(word) for word in known]
     near = difflib.get_close_matches(str(name), words, 1, 0.5)
     hint = f"; did you mean '{near[0]}'?" if near else ""
@@ -114,13 +115,13 @@ def nearest(name: object, known: Iterable[object]) -> str:
 
 def unknown(kind: str, name: object, known: Iterable[object], where: str = "",
             code: int = EXIT_USAGE) -> ScreeError:
-    """An error for a name that there is not: the nearest one, and all there are."""
+    """An error for an unknown name: the closest one, and all valid ones."""
     place = f"{where}: " if where else ""
     return ScreeError(f"{place}no {kind} '{name}'{nearest(name, known)}", code)
 
 
 def readable(path: str) -> str:
-    """The path itself if it is a file that can be read."""
+    """The path itself if it is a readable file."""
     if not os.path.exists(path):
         folder, name = os.path.split(path)
         folder = folder or "."

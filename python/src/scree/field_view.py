@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Arrays of numpy in the memory of a simulation, which refuse use when that memory has changed."""
+"""Arrays of numpy in the memory of a simulation, which cannot be used after that memory has changed."""
 from __future__ import annotations
 
 from typing import Any, Protocol
@@ -10,7 +10,7 @@ from .errors import StaleView
 
 
 class Owner(Protocol):
-    """What a view knows of its simulation."""
+    """The interface of a simulation that a view uses."""
 
     @property
     def generation(self) -> int:
@@ -23,9 +23,9 @@ _HARMLESS = frozenset(("base", "shape", "dtype", "ndim", "size", "itemsize", "nb
 class FieldView(np.ndarray[Any, Any]):
     """A field of the particles of this rank, without a copy; valid until the next step.
 
-    It is an array of numpy. Use after the simulation has stepped on raises StaleView; so do parts of it. Copies,
-    results of calculations and parts chosen by a mask or a list are ordinary arrays and stay valid.
-    `numpy.asarray(view)` is an ordinary array in the same memory, which no longer checks.
+    It is an array of numpy. Using it or parts of it after a further step of the simulation raises StaleView. Copies,
+    results of calculations and parts selected by a mask or a list are ordinary arrays and remain valid.
+    `numpy.asarray(view)` is an ordinary array in the same memory without this check.
     """
 
     _owner: Owner | None = None
@@ -75,7 +75,7 @@ class FieldView(np.ndarray[Any, Any]):
 
 
 def _plain(value: Any) -> Any:
-    """An ordinary array in the memory of a view; anything else as it is, also in lists and tuples."""
+    """An ordinary array in the memory of a view, also in lists and tuples; any other object unchanged."""
     if isinstance(value, FieldView):
         value._check()
         return value.view(np.ndarray)
@@ -85,7 +85,7 @@ def _plain(value: Any) -> Any:
 
 
 def view_of(memory: np.ndarray[Any, Any], owner: Owner, writable: bool) -> FieldView:
-    """A view that checks its owner."""
+    """A view that checks the validity with its owner."""
     view = memory.view(FieldView)
     view._owner, view._generation = owner, owner.generation
     view.flags.writeable = writable

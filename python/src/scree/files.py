@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading what Scree writes: snapshot series, snapshots and time histories.
+"""Readers of the files of Scree: snapshot series, snapshots and time histories.
 
-All values are in SI, whatever units the files are in (see units.py). Only h5py and numpy are needed, and are
-imported when a file is read.
+All values are in SI, for files in any units (see units.py). Only h5py and numpy are needed, and they are imported when
+a file is read.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d", "2d")
 
 
 def series_file(path: str) -> str:
-    """The series that a user means: the file itself, or the only series of a folder."""
+    """The series at a path: the file itself, or the only series in a folder."""
     if os.path.isdir(path):
         found = sorted(name for name in os.listdir(path) if name.endswith("_p.hdf.series"))
         if len(found) == 1:
@@ -40,7 +40,7 @@ def series_file(path: str) -> str:
 
 
 def history_file(path: str) -> str:
-    """The history that a user means: the file itself, or the only history of a folder."""
+    """The history at a path: the file itself, or the only history in a folder."""
     if os.path.isdir(path):
         found = sorted(name for name in os.listdir(path) if name.endswith("_history.csv"))
         if len(found) == 1:
@@ -51,7 +51,7 @@ def history_file(path: str) -> str:
 
 
 def beside(source: str, ending: str) -> str:
-    """A file beside a series or a snapshot: CASE and an ending such as _view.py."""
+    """A file of the same case as a series or a snapshot: CASE and an ending such as _view.py."""
     stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
     return os.path.join(os.path.dirname(source) or ".", stem + ending)
 
@@ -90,7 +90,7 @@ def series(path: str, own_units: bool = False) -> list[Moment]:
 
 
 def text(value: Any) -> Any:
-    """A string from what HDF5 hands back: bytes, padded or not, or arrays of one."""
+    """A string from a value of HDF5: bytes, padded or not, or arrays with one element."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     while isinstance(value, (list, tuple)) and len(value) == 1:
@@ -113,7 +113,7 @@ class Snapshot:
     first_body: int = 1                                  # value of the field body of bodies[0]
     materials: list[str] = field(default_factory=list)        # names, in the order of the deck
     provenance: dict[str, Any] = field(default_factory=dict)
-    echo: str = ""                                       # the deck with every key as used, in SI
+    echo: str = ""                                       # the deck with all keys and their values, in SI
 
     @property
     def dimension(self) -> str:
@@ -128,7 +128,7 @@ class Snapshot:
 
     @property
     def title(self) -> str:
-        """Title of the run, the name of the case where the deck gives none."""
+        """Title of the run; the name of the case where the deck has no title."""
         title = str(self.provenance.get("title") or "")
         return str(self.provenance.get("case") or "") if title in ("", UNTITLED) else title
 
@@ -136,7 +136,7 @@ class Snapshot:
         """Row of `bodies` of every particle; 0 where there is one body only."""
         (np,) = modules("numpy")
         rows: Array = self.fields.get("body", np.full(len(self.points), self.first_body))
-        # files of other programs may count from 0 whatever they say
+        # files of other programs may count from 0 in spite of this attribute
         first = self.first_body if len(rows) == 0 or rows.min() >= self.first_body else 0
         numbers: Array = np.asarray(rows).astype(int) - first
         return numbers
@@ -147,7 +147,7 @@ class Snapshot:
         return name or f"body {row + 1}"
 
     def need(self, *names: str) -> list[Array]:
-        """The named fields, or a message naming those that the file does not hold."""
+        """The named fields; an error that names those missing in the file."""
         missing = [name for name in names if name not in self.fields]
         if missing:
             raise unknown("field", ", ".join(missing), sorted(self.fields),
@@ -156,7 +156,7 @@ class Snapshot:
 
 
 def open_file(path: str) -> Any:
-    """A file of particles or of the grid, open."""
+    """A file of particles or of the grid, opened for reading."""
     (h5py,) = modules("h5py")
     try:
         return h5py.File(readable(path), "r")
@@ -168,7 +168,7 @@ def open_file(path: str) -> Any:
 
 
 def open_snapshot(path: str) -> Any:
-    """A file of particles, open."""
+    """A file of particles, opened for reading."""
     handle = open_file(path)
     if "VTKHDF/Points" not in handle:
         handle.close()
@@ -184,7 +184,7 @@ def _time(handle: Any, path: str, own_units: bool = False) -> float:
 
 
 def snapshot_time(path: str, own_units: bool = False) -> float:
-    """Time of a file of particles or of the grid [s], or in its own unit."""
+    """Time of a file of particles or of the grid [s], or in the unit of the file."""
     with open_file(path) as handle:
         if "VTKHDF" not in handle:
             raise FileProblem(f"{path} is not a particle snapshot: it has no /VTKHDF/Points")
@@ -205,7 +205,7 @@ def _bodies(handle: Any) -> tuple[list[dict[str, Any]], int]:
 
 
 def header(handle: Any, file: str, own_units: bool = False) -> Snapshot:
-    """What an open file says of a snapshot, without points and fields."""
+    """The data of an open file of a snapshot except positions and fields."""
     snap = Snapshot(file=file, time=_time(handle, file, own_units), points=modules("numpy")[0].zeros((0, 3)))
     snap.units["time"] = units_of.raw_time_unit(handle) if own_units else "s"
     snap.bodies, snap.first_body = _bodies(handle)
@@ -225,7 +225,7 @@ def header(handle: Any, file: str, own_units: bool = False) -> Snapshot:
 def snapshot(file: str, names: Any = None, own_units: bool = False) -> Snapshot:
     """Read a snapshot: points, fields (all, or those named), units, bodies, provenance.
 
-    With `own_units` all numbers are as they are in the file, for comparisons with other readers.
+    With `own_units` all numbers are in the units of the file, for comparisons with other readers.
     """
     def numbers(data: Any) -> Array:
         values: Array = data[...] if own_units else units_of.data_si(data)
@@ -272,7 +272,7 @@ class History(dict[str, "Array"]):
 def history(file: str) -> History:
     """Read CASE_history.csv or another table of a run, in SI.
 
-    A last line that is still being written is left out.
+    An incomplete last line, which is still being written, is ignored.
     """
     (numpy,) = modules("numpy")
     try:

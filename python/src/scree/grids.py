@@ -14,8 +14,8 @@ from .errors import DeckError, readable
 from .units import deck_length
 
 PREFIXES = {"": 0, "p": -12, "n": -9, "u": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9, "T": 12}
-EXPONENTS = {"m": 0, "cm": -2, "mm": -3}                 # of the units of length of systems
-# A text in quotes, a comment, or a number with the unit behind it.
+EXPONENTS = {"m": 0, "cm": -2, "mm": -3}                 # of the units of length of the systems
+# A text in quotes, a comment, or a number with the unit after it.
 WITH_UNIT = re.compile(r"'[^'\n]*'|\"[^\"\n]*\"|![^\n]*|"
                        r"(?P<number>(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?)"
                        r"[ \t]*(?P<unit>[A-Za-z][\w/*.]*(?:\([^)\n]*\))?)(?!\w)(?!\s*[=(\[%])")
@@ -24,21 +24,21 @@ AXES: dict[str, tuple[int, ...]] = {"3d": (0, 1, 2), "plane_strain": (0, 2), "ax
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells of a deck, which may be made larger and smaller alike."""
+    """Cells of a deck, whose size can be changed equally in all directions."""
 
     cells: tuple[int, ...]               # along x, y, z
-    key: str                             # dx or cells: what the deck gives
-    axes: tuple[int, ...]                # along which there is more than a cell
+    key: str                             # dx or cells: the key that the deck gives
+    axes: tuple[int, ...]                # directions with more than one cell
     spacing: float                       # edge of a cell, in the unit of the deck
     unit: str = "m"                      # of lengths in the deck
 
     @property
     def common(self) -> int:
-        """Greatest number of parts into which all axes can be divided with whole cells in each."""
+        """Greatest number of equal parts with whole cells into which all directions can be divided."""
         return math.gcd(*(self.cells[axis] for axis in self.axes))
 
     def parts(self, factor: float) -> int:
-        """The number of those parts for cells that are `factor` times as large."""
+        """Number of these parts for cells that are `factor` times as large."""
         return max(1, round(self.common / factor))
 
     def size(self, parts: int) -> float:
@@ -46,7 +46,7 @@ class Grid:
         return self.spacing * self.common / parts
 
     def setting(self, parts: int) -> dict[str, Any]:
-        """What `set` of scree.run must be for these cells."""
+        """Value of `set` of scree.run for these cells."""
         if self.key == "dx":
             return {"grid.dx": self.size(parts)}
         return {"grid.cells": tuple(count * parts // self.common if axis in self.axes else count
@@ -54,9 +54,9 @@ class Grid:
 
 
 def without_units(text: str) -> str:
-    """A deck with its lengths in the unit of its system, and without units behind other numbers.
+    """A deck with its lengths in the unit of its system, and without units after other numbers.
 
-    f90nml reads everything of a deck but these.
+    f90nml reads all of a deck except these units.
     """
     system = re.search(r"^[^!]*\bsystem\s*=\s*'([\w-]+)'", text, re.M)
     own = EXPONENTS[deck_length(system.group(1) if system else "si")]
@@ -98,7 +98,7 @@ def value_of(text: Any) -> Any:
 
 
 def read_grid(deck: str, settings: Mapping[str, Any]) -> Grid:
-    """The grid of a deck, with what the settings change of it."""
+    """The grid of a deck, including changes by settings."""
     found: dict[str, Any] = {}
     for read in groups(deck):
         for group in ("run", "units", "grid"):
@@ -121,7 +121,7 @@ def read_grid(deck: str, settings: Mapping[str, Any]) -> Grid:
 
 
 def choose_parts(grid: Grid, factors: Iterable[float]) -> Sequence[int]:
-    """Parts for cells so many times as large as those of the deck, coarse first."""
+    """Numbers of parts for cells of given sizes relative to those of the deck, coarse first."""
     factors = list(factors)
     chosen = {grid.parts(factor) for factor in factors}
     if len(chosen) < 3 or len(chosen) < len({*factors}):

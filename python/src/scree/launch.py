@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Running the program: options, progress, and errors by its exit code."""
+"""Runs the program: options, progress, and errors by its exit code."""
 from __future__ import annotations
 
 import importlib.util
@@ -18,8 +18,8 @@ from .errors import DeckError, FileProblem, error_of_run
 from .program import find_program
 from .results import Run
 
-# Open MPI refuses root and more ranks than cores unless told otherwise, and would bind all threads of a rank to one
-# core.
+# Open MPI refuses to run as root and with more ranks than cores unless this is allowed, and would bind all threads of a
+# rank to one core.
 OPEN_MPI = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -36,7 +36,7 @@ SHARE = re.compile(r"^ *[\d:d]+ +(\d+\.\d) % +(\d+) ")   # a line of progress: w
 
 def deck_value(value: Any) -> str:
     """The text of a value in a deck: numbers, words, .true. and .false., and lists with commas."""
-    if hasattr(value, "tolist"):                         # of numpy
+    if hasattr(value, "tolist"):                         # a scalar or array of numpy
         value = value.tolist()
     if isinstance(value, bool):
         return ".true." if value else ".false."
@@ -46,13 +46,13 @@ def deck_value(value: Any) -> str:
 
 
 def is_text(deck: str | os.PathLike[str]) -> bool:
-    """Whether a deck is given as its text."""
+    """True if a deck is given as its text."""
     return isinstance(deck, str) and "\n" in deck and "&" in deck
 
 
 def deck_file(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | None, overwrite: bool) -> Path:
-    """The file of a deck; a deck that is given as text becomes OUTDIR/deck.nml, where no other one is unless
-    `overwrite` is true."""
+    """The file of a deck; a deck that is given as text is written to OUTDIR/deck.nml, where another file is an error
+    unless `overwrite` is true."""
     if not is_text(deck):
         return Path(deck)
     if outdir is None:
@@ -69,18 +69,18 @@ def deck_file(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | Non
 
 
 def bar_is_seen() -> bool:
-    """Whether somebody sees a bar: on a terminal and in a notebook."""
+    """True if a bar is visible: on a terminal and in a notebook."""
     return "ipykernel" in sys.modules or sys.stderr.isatty()
 
 
 def progress_bar(*arguments: Any, **options: Any) -> Any:
-    """A bar of tqdm: one of widgets in a notebook where they are installed, else of characters."""
+    """A bar of tqdm: widgets in a notebook where they are installed, otherwise characters."""
     widgets = "ipykernel" in sys.modules and importlib.util.find_spec("ipywidgets")
     return importlib.import_module("tqdm.notebook" if widgets else "tqdm").tqdm(*arguments, **options)
 
 
 class Progress:
-    """A bar of tqdm that follows what the program prints."""
+    """A bar of tqdm that follows the output of the program."""
 
     def __init__(self, shown: bool, label: str) -> None:
         self._bar: Any = None
@@ -106,7 +106,7 @@ class Progress:
 def stop(child: subprocess.Popen[str]) -> None:
     """Let a run write a checkpoint and end."""
     if child.poll() is None:
-        child.send_signal(signal.SIGUSR1)                # mpiexec hands this signal on, unlike SIGTERM
+        child.send_signal(signal.SIGUSR1)                # mpiexec forwards this signal, unlike SIGTERM
 
 
 def collect(stream: IO[str], lines: list[str]) -> None:
@@ -132,7 +132,8 @@ def without_mpiexec(messages: list[str]) -> list[str]:
 
 def communicate(words: list[str], environment: dict[str, str], progress: Progress,
                 children: list[subprocess.Popen[str]]) -> tuple[int, list[str], list[str]]:
-    """Exit code, lines and messages of the program. An interrupt lets it write a checkpoint before it is raised."""
+    """Exit code, lines and messages of the program. After an interrupt the program writes a checkpoint before the
+    interrupt is raised."""
     try:
         child = subprocess.Popen(words, env=environment, text=True, encoding="utf-8", errors="replace",
                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,

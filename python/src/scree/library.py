@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The shared library libscree: where it is, and its functions as src/library/library_interface.f90 declares them."""
+"""The shared library libscree: its location, and its functions as declared in src/library/library_interface.f90."""
 from __future__ import annotations
 
 import ctypes
@@ -15,7 +15,7 @@ from .errors import FileProblem
 from .program import find_program
 
 NAME = "libscree.so"
-#: The loader of the GNU C library on x86-64, at the place that its binary interface prescribes.
+# : The loader of the GNU C library on x86-64, at the path that its binary interface prescribes.
 LOADER = "/lib64/ld-linux-x86-64.so.2"
 TEXT_MESSAGE, TEXT_FOLDER, TEXT_CASE, TEXT_REASON, TEXT_CONTROLS, TEXT_STORE, TEXT_FIELDS = range(7)
 #: MPI and HDF5 are used from one thread at a time.
@@ -57,7 +57,7 @@ _ARGUMENTS: dict[str, tuple[Any, ...]] = {
 
 
 def find_library(path: str | os.PathLike[str] | None = None) -> str:
-    """The library: as named, of the environment (SCREE_LIBRARY), or of the tree of the program."""
+    """The library: by its path, by the environment (SCREE_LIBRARY), or in the tree of the program."""
     named = path or os.environ.get("SCREE_LIBRARY")
     if named:
         places = [Path(named)]
@@ -73,7 +73,7 @@ def find_library(path: str | os.PathLike[str] | None = None) -> str:
 
 
 def for_processor(library: Path) -> Path:
-    """The library for this processor, of those of a build for several, -DSCREE_ARCH=dispatch.
+    """The library for this processor, from a build for several, -DSCREE_ARCH=dispatch.
 
     The loader selects the library of the program from the folders glibc-hwcaps/PROCESSOR, but it does not search
     them for a library that is opened by its path. `ld.so --help` lists the folders that it searches, in their order.
@@ -82,7 +82,7 @@ def for_processor(library: Path) -> Path:
     if folders.is_dir():
         try:
             told = subprocess.run([LOADER, "--help"], stdout=subprocess.PIPE, text=True, check=False).stdout
-        except OSError:                                  # of another C library
+        except OSError:                                  # another C library
             told = ""
         for folder in map(str, re.findall(r"^ +(\S+) \(supported, searched\)$", told, re.M)):
             if (folders / folder / library.name).is_file():
@@ -93,7 +93,7 @@ def for_processor(library: Path) -> Path:
 @functools.cache
 def load(path: str) -> ctypes.CDLL:
     """The library of a file, with the types of its functions."""
-    if not os.environ.get("OMP_WAIT_POLICY"):            # as the program: threads that wait release their cores
+    if not os.environ.get("OMP_WAIT_POLICY"):            # as in the program: waiting threads release their cores
         os.environ.setdefault("GOMP_SPINCOUNT", "10000")
     try:
         library = ctypes.CDLL(path)

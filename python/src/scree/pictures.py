@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures in the plane or in space, and radiographs, as the command scree-post draws them.
+"""Pictures in a plane or in 3-D, and radiographs, as drawn by the command scree-post.
 
     scree.picture(run, "pressure", time=2e-6).savefig("pressure.png", dpi=200)
     frame = scree.radiograph(run)
@@ -43,19 +43,19 @@ def file_of(source: Source, time: float | None) -> str:
 def picture(source: Source, colour: str | None = None, *, time: float | None = None,
             limits: tuple[float, float] | None = None, view: tuple[float, float, float, float] | None = None,
             camera: str | tuple[float, float] = "corner", up: str = "z", **options: Any) -> Figure:
-    """Particles coloured by a field: in space as lit balls, in two dimensions as large as they are in their plane.
+    """Particles coloured by a field: in 3-D as shaded spheres, in two dimensions at their size in the plane.
 
-    `source` is a run, a snapshot, or the path of a series; `time` [s] chooses the nearest snapshot, without it the
-    last. `colour` is a field, a component such as velocity.z, x, y, z, body or fragment_size; without it the size of
-    fragments where there are some, else the speed. `limits` are the ends of the colour bar and `view` left, right,
+    `source` is a run, a snapshot, or the path of a series; `time` [s] selects the nearest snapshot, by default the
+    last. `colour` is a field, a component such as velocity.z, x, y, z, body or fragment_size; by default the size of
+    fragments if there are any, otherwise the speed. `limits` are the ends of the colour bar and `view` left, right,
     bottom and top of the window, in SI. `camera` is x, y, z, corner, or azimuth and elevation [deg] in three
     dimensions, `up` the axis that points up. Further options are those of scree-post picture: bodies, hide_failed,
-    keep, map, no_mirror, no_walls, title, zoom and dpi (of the image of balls).
+    keep, map, no_mirror, no_walls, title, zoom and dpi (of the image of spheres).
     """
     import matplotlib
     words = camera if isinstance(camera, str) else f"{camera[0]},{camera[1]}"
     chosen = page.options(colour=colour, range=limits, view=view, camera=words, up=up, **options)
-    with matplotlib.rc_context():                        # settings of the caller stay
+    with matplotlib.rc_context():                        # settings of the caller are not changed
         figure, _ = page.picture(file_of(source, time), chosen)
     return figure
 
@@ -79,17 +79,17 @@ class Radiograph:
         import matplotlib
         towards = -1.0 if self.speed < 0.0 else 1.0
         options = {"mu": absorption, "unit": unit, "towards": towards, "view": None}
-        with matplotlib.rc_context():                    # settings of the caller stay
+        with matplotlib.rc_context():                    # settings of the caller are not changed
             return Picture([self._frame], self._title, options).draw()
 
 
 def radiograph(source: Source, *, time: float | None = None, pixel: float | None = None, sight: str = "y",
                smear: str = "spacing") -> Radiograph:
-    """What a flash X-ray would see of a snapshot: the mass along the line of sight over its area.
+    """Synthetic flash X-ray image of a snapshot: the mass along the line of sight over its area.
 
     `sight` is x or y (three dimensions), `pixel` the side of a pixel [m], by default a 700th of the longer side.
-    With `smear` "spacing" particles that moved apart are spread over the gaps between them, with "volume" each is as
-    wide as its volume. Both keep the mass of the particles to round-off.
+    With `smear` "spacing" separated particles are spread over the gaps between them, with "volume" their width follows
+    from their volume. Both conserve the mass of the particles to round-off.
     """
     file = file_of(source, time)
     frame = page.radiograph(file, pixel, sight, None, smear)

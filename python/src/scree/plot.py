@@ -5,7 +5,7 @@
     figure.savefig("pressure.png")
 
 The functions return a Figure and draw into `axes` if given. Numbers are in SI with a power of ten in the unit, so that
-axes are readable. Colours and colour maps can be told apart with any colour vision.
+axes are readable. Colours and colour maps can be distinguished with any colour vision.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SEQUENTIAL, DIVERGING = "viridis", "PuOr_r"
 ENERGIES = ("kinetic", "internal", "total")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 2, 1, 2)))
 WORDS = {"J": "energy", "kg": "mass", "s": "time", "m": "length", "m/s": "velocity", "kg m/s": "momentum",
-         "N s": "impulse", "kg m2/s": "angular momentum"}    # what columns of a unit are
+         "N s": "impulse", "kg m2/s": "angular momentum"}    # quantities of columns by their unit
 
 
 def label(name: str, unit: str) -> str:
@@ -38,7 +38,7 @@ def label(name: str, unit: str) -> str:
 
 
 def largest(values: Iterable[float] | NDArray[np.floating]) -> float:
-    """The greatest size of finite numbers, 0 if there are none."""
+    """The greatest magnitude of finite numbers, 0 if there are none."""
     sizes = np.abs(np.asarray(values, dtype=np.float64))
     return float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
@@ -57,8 +57,8 @@ def columns_of(tables: Mapping[str, pandas.DataFrame], names: Sequence[str], *, 
                log_x: bool = False) -> Figure:
     """Columns of tables against the column `x`, a panel for each unit.
 
-    `tables` are tables of one kind by the names of their curves, such as cases. With `log` sizes are drawn on a
-    logarithmic axis and zeros left out, with `log_x` the other axis is logarithmic.
+    `tables` are tables of one kind by the names of their curves, such as cases. With `log` magnitudes are drawn on a
+    logarithmic axis without zeros, with `log_x` the other axis is logarithmic.
     """
     import matplotlib.pyplot
     several, (first, *_) = list(tables.items()), tables.values()
@@ -108,7 +108,7 @@ def history(runs: Run | Sequence[Run], columns: str | Sequence[str] = ENERGIES, 
     several = [runs] if isinstance(runs, Run) else list(runs)
     names = [columns] if isinstance(columns, str) else list(columns)
     tables: dict[str, pandas.DataFrame] = {}
-    for run in several:                                  # cases of the same name stay apart
+    for run in several:                                  # cases of the same name are distinguished
         name = run.case if run.case not in tables else f"{run.case} ({len(tables) + 1})"
         tables[name] = run.history if table == "history" else run.tables[table]
     return columns_of(tables, names, x=x, log=log, log_x=log_x)
@@ -173,7 +173,7 @@ def field(snapshot: Snapshot, name: str, *, axes: Axes | None = None, limits: tu
     axes.set_ylabel(label("z", unit_length))
     finite = colours[np.isfinite(colours)]
     beyond = (bool((finite < factor * low).any()), bool((finite > factor * high).any()))
-    # as high as the axes, whose aspect is that of the particles
+    # the height of the axes, whose aspect ratio is that of the particles
     narrow = max(1.0, float(np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())))
     beside = axes.inset_axes((1.0 + 0.03 * narrow, 0.0, 0.035 * narrow, 1.0))
     figure.colorbar(squares, cax=beside, label=label(name, unit),

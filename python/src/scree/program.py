@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The program scree: where it is, what it says of itself, and how many runs of it keep the cores busy."""
+"""The program scree: its location, its version, and the number of runs that use all cores."""
 from __future__ import annotations
 
 import os
@@ -11,14 +11,14 @@ from .errors import FileProblem, unknown
 
 
 def beside_package() -> list[Path]:
-    """Places of the program in the tree that holds this package: of a repository, or of an installation."""
+    """Positions of the program in the tree that contains this package: of a repository, or of an installation."""
     parents = Path(__file__).resolve().parents           # ROOT/python/src/scree, PLACE/share/scree/python/src/scree
     places = [parents[3] / "build" / "bin" / "scree"]
     return places + ([parents[5] / "bin" / "scree"] if len(parents) > 5 else [])
 
 
 def find_program(path: str | os.PathLike[str] | None = None) -> str:
-    """The program: as named, of the environment (SCREE), of this tree, or in PATH."""
+    """The program: by its path, by the environment (SCREE), in this tree, or in PATH."""
     candidates: list[str | os.PathLike[str] | None]
     candidates = [path] if path else [os.environ.get("SCREE"), *beside_package(), shutil.which("scree")]
     for candidate in candidates:
@@ -42,7 +42,7 @@ def example(name: str, program: str | os.PathLike[str] | None = None) -> Path:
 
 
 def version_of(program: str) -> str:
-    """What the program says it is."""
+    """Version text of the program."""
     try:
         answer = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError) as error:
@@ -56,7 +56,8 @@ def cores() -> int:
 
 
 def threads_of_a_run() -> int:
-    """Threads of a run of a study: one, as many runs at a time use the cores better, or those of OMP_NUM_THREADS."""
+    """Threads of a run of a study: the number in OMP_NUM_THREADS, or one, since several runs at a time use the cores
+    better."""
     try:
         return max(1, int(os.environ.get("OMP_NUM_THREADS", "1")))
     except ValueError:
@@ -64,5 +65,5 @@ def threads_of_a_run() -> int:
 
 
 def jobs_for(threads: int) -> int:
-    """Runs at a time that keep the cores busy."""
+    """Number of runs at a time that use all cores."""
     return max(1, cores() // threads)

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One number out of what a run has written: a column, a number of the summary, an extent.
+"""One number from the results of a run: a column, a number of the summary, an extent.
 
     value_of(run, "kinetic:max")                  # a column of the history
     value_of(run, "ledger.energy_error")          # a place in the summary
     value_of(run, "front_z", body="sphere", percentile=99.0)
 
-Extents are those of the centres of particles, weighted by mass if a percentile leaves some of it out. The outermost
-centres lie half a particle inside of the surface, which is an error of first order in the size of cells; a percentile
-below 100 has it not.
+Extents are those of the centres of particles, weighted by mass if a percentile excludes some of it. The outermost
+centres are half a particle inside of the surface, which is an error of first order in the cell size; with a percentile
+below 100 there is no such error.
 """
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ EXTENTS = ("length", "width", "radius", *(f"{side}_{axis}" for side in ("front",
 
 
 def history_of(run: Run) -> pandas.DataFrame | None:
-    """The first history, or None if the deck asks for none."""
+    """The first history, or None if the deck requests none."""
     return run.history if any(key.startswith("history") for key in run.summary.get("files", {})) else None
 
 
@@ -42,13 +42,13 @@ def last_snapshot(run: Run) -> Snapshot | None:
 
 
 def numbers(run: Run) -> dict[str, float]:
-    """Numbers of the summary by their places, without clocks and counts."""
+    """Numbers of the summary by their key paths, without clocks and counts."""
     return {f"{group}.{key}": number for group in ("extremes", "exact", "ledger")
             for key, number in (run.summary.get(group) or {}).items() if isinstance(number, (int, float))}
 
 
 def value_of(run: Run, quantity: str, body: str | None = None, percentile: float = 100.0) -> float:
-    """The number of a quantity in SI. An error lists what there is."""
+    """The number of a quantity in SI. The error for an unknown quantity lists the valid ones."""
     name, _, how = quantity.partition(":")
     if name in EXTENTS:
         return extent(run, name, body, percentile)
@@ -65,7 +65,7 @@ def value_of(run: Run, quantity: str, body: str | None = None, percentile: float
 
 
 def choices(run: Run) -> str:
-    """What may be asked for, as a sentence."""
+    """The valid quantities, as a sentence."""
     table = history_of(run)
     columns = ", ".join(name for name in table.columns if name not in ("time", "step")) if table is not None \
         else "none, as the deck asks for no history (&output kind='history')"
@@ -76,7 +76,7 @@ def choices(run: Run) -> str:
 
 
 def unit_of(run: Run, quantity: str) -> str:
-    """Unit of a quantity, empty if it is not written down."""
+    """Unit of a quantity, empty if it is not known."""
     name = quantity.partition(":")[0]
     if name in EXTENTS:
         return "m"
@@ -117,7 +117,7 @@ def extent(run: Run, name: str, body: str | None, percentile: float) -> float:
 
 
 def quantile(places: NDArray[np.float64], weight: NDArray[Any] | None, percentile: float) -> float:
-    """The place below which a percentage of the mass lies; half of a particle lies on each side of its centre."""
+    """The position below which a percentage of the mass is; half of a particle is on each side of its centre."""
     import numpy as np
     if weight is None:
         return float(places.max())
@@ -127,7 +127,7 @@ def quantile(places: NDArray[np.float64], weight: NDArray[Any] | None, percentil
 
 
 def pick(table: pandas.DataFrame, name: str, how: str) -> float:
-    """One number of a column: its last, greatest, least, or that at a time."""
+    """One number of a column: its last, greatest or least value, or that at a time."""
     values = table[name]
     if how in ("", "last"):
         return float(values.iloc[-1])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How accurate a number of a deck is, and what more accuracy costs: the deck with cells of three or more sizes.
+"""Accuracy of a number of a deck, and the cost of more accuracy: the deck is run with cells of three or more sizes.
 
     found = scree.accuracy("scene.nml", ["kinetic:max", "front_z"], factors=(4, 2, 1))
     found.table                                    # of pandas: a row for each run
@@ -36,17 +36,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Measure = Callable[[Run], "float | Mapping[str, float]"]
-UNEQUAL_MASS = 1.0e-3                    # a larger relative difference of mass means other bodies
+UNEQUAL_MASS = 1.0e-3                    # a larger relative difference of mass means that bodies differ
 CHANGED = ("grid.dx", "grid.cells")      # settings that the factors replace
 
 
 class MassWarning(UserWarning):
-    """The grids hold different bodies, which is an error without an order."""
+    """The grids have different bodies, which is an error without an order."""
 
 
 @dataclass
 class Accuracy:
-    """Runs of a deck on several grids and what they tell of each quantity, in SI."""
+    """Runs of a deck on several grids and the convergence of each quantity, in SI."""
 
     grid: grids.Grid
     sizes: list[float]                   # edges of cells, coarse first, in the unit of the deck
@@ -56,7 +56,7 @@ class Accuracy:
     folders: list[Path] = field(default_factory=list)
 
     def cost(self, quantity: str, tolerance: float) -> tuple[float, float] | None:
-        """Cells [m] and core-seconds with which the error is within a tolerance; None without an order."""
+        """Cells [m] and core-seconds for an error within a tolerance; None without an order."""
         sizes, seconds = (self.table[name].tolist() for name in ("cell_size", "core_seconds"))
         verdict = self.verdicts[quantity]
         if verdict.error <= tolerance:
@@ -66,7 +66,7 @@ class Accuracy:
     def plot(self, names: Mapping[str, Accuracy] | None = None) -> Figure:
         """Values against the size of cells with the extrapolated value at 0, and errors against cost.
 
-        `names` are results to draw beside each other by their labels, such as those of several methods.
+        `names` are results to draw for comparison by their labels, such as those of several methods.
         """
         import matplotlib.pyplot as pyplot
         from matplotlib.ticker import NullFormatter
@@ -94,7 +94,7 @@ class Accuracy:
 
 
 def check(program: str, deck: Path, settings: Mapping[str, Any]) -> None:
-    """Raise what `scree --check` reports, which costs nothing compared with a run."""
+    """Raise the errors that `scree --check` reports, which costs nothing compared with a run."""
     words = [program, "--check", "--no-estimate", *options_of(settings, None, None), os.fspath(deck)]
     answer = subprocess.run(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     if answer.returncode:
@@ -120,7 +120,7 @@ def accuracy(deck: str | os.PathLike[str], quantities: str | Measure | Sequence[
              factors: Iterable[float] = (2.0, 1.4, 1.0), set: Mapping[str, Any] | None = None, body: str | None = None,
              percentile: float = 100.0, outdir: str | os.PathLike[str] | None = None, jobs: int = 1, label: str = "",
              program: str | os.PathLike[str] | None = None, progress: bool = True, **options: Any) -> Accuracy:
-    """Run a deck with cells of several sizes and judge how accurate numbers of it are.
+    """Run a deck with cells of several sizes and estimate the accuracy of numbers of it.
 
     quantities  functions of a Run that return a number or numbers by name, or names: a column of the history (its last
                 row; kinetic:max, kinetic:at=5us), a number of the summary (ledger.energy_error), or an extent of the
@@ -163,7 +163,7 @@ def accuracy(deck: str | os.PathLike[str], quantities: str | Measure | Sequence[
                 "particles": summary["particles"], "steps": summary["steps"], "core_seconds": summary["processor_s"],
                 "mass": summary["ledger"]["start"]["mass"], **values}, units, run
 
-    # the coarsest run shows first whether there are such numbers
+    # the coarsest run is first, and shows whether these numbers exist
     with progress_bar(total=len(every), desc="accuracy", disable=None if progress else True) as bar:
         results = [one(every[0])]
         bar.update()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import pandas
 
 SERIES = ".hdf.series"
-# Endings that show that a name is that of a case, the safest first.
+# Endings that identify the name of a case, the most specific first.
 MARKS = (".summary.json", ".echo.nml", "_history.csv", f"_p{SERIES}")
 
 
@@ -34,7 +34,7 @@ def read_table(path: str | os.PathLike[str]) -> pandas.DataFrame:
 
 
 class Tables(Mapping[str, "pandas.DataFrame"]):
-    """The tables CASE_NAME.csv of a run by NAME, such as history, gauge and forces; read when they are used."""
+    """The tables CASE_NAME.csv of a run by NAME, such as history, gauge and forces; read at first use."""
 
     def __init__(self, folder: Path, case: str) -> None:
         self._folder, self._case = folder, case
@@ -65,7 +65,7 @@ class Tables(Mapping[str, "pandas.DataFrame"]):
 
 
 class Run:
-    """What a run has written.
+    """Results of a run.
 
         run.deck["grid"]["dx"]              # the deck as used, in SI
         run.summary["steps"]                # the end of the run
@@ -75,7 +75,8 @@ class Run:
     """
 
     def __init__(self, folder: str | os.PathLike[str], case: str, stream: str = "") -> None:
-        self.folder, self.case = Path(folder).absolute(), case   # also after a change of the working folder
+        # absolute, so that they remain valid after a change of the working folder
+        self.folder, self.case = Path(folder).absolute(), case
         self.tables = Tables(self.folder, case)
         self._stream = stream
 
@@ -88,7 +89,7 @@ class Run:
 
     @cached_property
     def deck(self) -> Any:
-        """The deck with every key as used, in SI, as a namelist of f90nml. Repeated groups are lists."""
+        """The deck with all keys and their values, in SI, as a namelist of f90nml. Repeated groups are lists."""
         import f90nml
         path = self.path(".echo.nml")
         readable(str(path))
@@ -96,7 +97,7 @@ class Run:
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What CASE.summary.json holds."""
+        """Content of CASE.summary.json."""
         path = self.path(".summary.json")
         try:
             found = json.loads(text_of(path))
@@ -108,12 +109,12 @@ class Run:
 
     @property
     def exit_code(self) -> int:
-        """How the run ended: 0 if it finished."""
+        """Exit code of the run: 0 if it finished."""
         return int(self.summary["exit_code"])
 
     @property
     def log(self) -> str:
-        """What the program printed."""
+        """Output of the program."""
         return text_of(self.path(".log"))
 
     @property
@@ -139,7 +140,7 @@ class Run:
 
     @cached_property
     def series(self) -> dict[str, Snapshots]:
-        """Series of particles and slices by the name behind CASE_: p, s, NAME_p."""
+        """Series of particles and slices by the name after CASE_: p, s, NAME_p."""
         first, found = f"{self.case}_", {}
         for path in sorted(self.folder.glob(f"*{SERIES}")):
             name = path.name[:-len(SERIES)]
@@ -181,7 +182,7 @@ def open_run(place: str | os.PathLike[str]) -> Run:
     """The results of a run.
 
     `place` is a folder with one case, FOLDER/CASE, or a series FOLDER/CASE_p.hdf.series or .vtkhdf. Files are read
-    when they are used.
+    at first use.
     """
     path = Path(place)
     if path.is_dir():
@@ -201,7 +202,7 @@ def open_run(place: str | os.PathLike[str]) -> Run:
 
 
 def open_series(folder: Path, name: str, file: str) -> Run:
-    """The run that a series CASE_STREAM belongs to."""
+    """The run of a series CASE_STREAM."""
     readable(file)
     readable(str(folder / f"{name}{SERIES}"))
     cases = [case for case in cases_in(folder) if name.startswith(f"{case}_")]

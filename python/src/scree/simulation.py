@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A simulation in the process of Python: step by step, with fields in place and changes between steps."""
+"""A simulation in the process of Python: step by step, with direct access to fields and changes between steps."""
 from __future__ import annotations
 
 import atexit
@@ -25,7 +25,7 @@ class Fields(Mapping[str, FieldView]):
     """Fields of the particles of one material on this rank, by name.
 
     `fields["velocity"]` is a view (n, 3) without a copy, valid until the next step. `fields["velocity"] = values`
-    writes into it. Identities, positions and masses are read only. All are in SI.
+    changes the field. Identities, positions and masses are read-only. All values are in SI.
     """
 
     def __init__(self, simulation: Simulation, index: int) -> None:
@@ -59,10 +59,10 @@ class Fields(Mapping[str, FieldView]):
 
 
 class Controls(Mapping[str, Any]):
-    """What may be changed between steps, by name: velocities (3) of boundaries that move and of rigid regions [m/s],
-    factors of loads, constant gravity (3) [m/s2].
+    """Quantities that may be changed between steps, by name: velocities (3) of boundaries that move and of rigid
+    regions [m/s], factors of loads, constant gravity (3) [m/s2].
 
-    `controls["piston"] = 0, 0, -2` takes effect over the next step, in a straight line. All ranks give the same value.
+    `controls["piston"] = 0, 0, -2` takes effect linearly over the next step. All ranks must set the same value.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -99,7 +99,7 @@ class Controls(Mapping[str, Any]):
 
 
 class Simulation:
-    """A run that this process makes itself, step by step.
+    """A run in this process, step by step.
 
         with scree.Simulation("scene.nml", outdir="out/scene") as sim:
             while sim.step(10):
@@ -138,7 +138,7 @@ class Simulation:
         self.controls = Controls(self)
 
     def _open(self, words: list[str], comm: Any) -> None:
-        """Begin the run; without success everything is given back."""
+        """Start the run; after an error all resources are released."""
         handle = ctypes.c_void_p()
         letters = b"".join(os.fsencode(word) + b"\0" for word in words)
         with binding.LOCK:
@@ -155,7 +155,7 @@ class Simulation:
             raise error
 
     def _call(self, name: str, *arguments: Any) -> None:
-        """Call a function of the library; its exit code becomes an error."""
+        """Call a function of the library; an exit code other than 0 raises an error."""
         if self._handle is None:
             raise DeckError("the simulation is closed; create a new one")
         with binding.LOCK:
@@ -192,8 +192,8 @@ class Simulation:
 
     @property
     def fields(self) -> Fields:
-        """Fields of the particles, of a run with one store; others have `stores`, one for each material or, with
-        contact, for each body."""
+        """Fields of the particles, of a run with one store; runs with several have `stores`, one for each material or,
+        with contact, for each body."""
         if len(self.stores) != 1:
             raise KeyError("this simulation has several particle stores; use simulation.stores[k], which are those of "
                            + ", ".join(store.material for store in self.stores))
@@ -216,7 +216,7 @@ class Simulation:
 
     @property
     def next_dt(self) -> float:
-        """The stable time step that comes [s]."""
+        """The next stable time step [s]."""
         return float(self._state.dt_next)
 
     @property
@@ -246,12 +246,12 @@ class Simulation:
 
     @property
     def generation(self) -> int:
-        """Counts the changes that make views of fields invalid."""
+        """Changes whenever views of fields become invalid."""
         return int(self._state.generation)
 
     @property
     def finished(self) -> bool:
-        """Whether no step is left: the end of the run, a limit or an error is reached."""
+        """True if no step is left: the end of the run, a limit or an error has been reached."""
         return bool(self._state.finished) or not self._state.running
 
     def step(self, count: int = 1) -> int:
@@ -261,19 +261,19 @@ class Simulation:
     def run(self, until: float | None = None) -> int:
         """Do steps until the time is at least `until` [s], by default to the end; returns how many were done.
 
-        A step is not shortened to meet this time, so results do not depend on how the run is cut.
+        A step is not shortened to end at this time, so results do not depend on how steps are called.
         """
         return self._advance(_ALL, math.inf if until is None else until)
 
     def _advance(self, count: int, until: float) -> int:
-        """Do steps one by one, so that an interrupt of the keyboard comes between two of them."""
+        """Do steps one by one, so that an interrupt by the keyboard can be handled between two of them."""
         before = self.steps
         while not self._state.finished and self.steps < before + count and self.time < until:
             self._call("scree_step", 1, until)
         return self.steps - before
 
     def write_output(self) -> None:
-        """Write the present state to all output streams, besides what they write when it is due."""
+        """Write the present state to all output streams; outputs due later do not change."""
         self._call("scree_output")
 
     def write_checkpoint(self) -> None:
@@ -292,7 +292,7 @@ class Simulation:
         return self._run
 
     def close(self) -> None:
-        """Give memory and files back. A run that was not finished gets no summary."""
+        """Release memory and files. An unfinished run gets no summary."""
         if self._handle is None:
             return
         self._state.running, self._state.finished = 0, 1
@@ -312,7 +312,7 @@ class Simulation:
                  trace: TracebackType | None) -> None:
         if kind is None and self._handle is not None:
             self.finish()
-        elif self.ranks == 1:                            # of several, the others may not be here
+        elif self.ranks == 1:                            # with several ranks, the other ranks may not call this
             self.close()
 
     def __repr__(self) -> str:
@@ -331,7 +331,7 @@ def _end_messages_at_exit(library: Any) -> None:
 
 def _place_deck(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | None, overwrite: bool,
                 comm: Any) -> str | os.PathLike[str]:
-    """The file of the deck. Rank 0 reads it, so only rank 0 writes the text of a deck there."""
+    """The file of the deck. A deck that is given as text is written by rank 0, which also reads it."""
     if comm is None:
         rank = int(os.environ.get("OMPI_COMM_WORLD_RANK") or os.environ.get("PMI_RANK") or 0)
     else:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Snapshots of particles: fields are read from the file when they are used."""
+"""Snapshots of particles: fields are read from the file at first use."""
 from __future__ import annotations
 
 import importlib.util
@@ -56,7 +56,7 @@ class Snapshot:
         snap.names, snap.units["pressure"]  # fields of the file and their units
         snap.bodies, snap.dimension, snap.provenance, snap.deck
 
-    A field is read when it is used for the first time and kept with the snapshot.
+    A field is read at first use and kept with the snapshot.
     """
 
     def __init__(self, file: str) -> None:
@@ -85,7 +85,7 @@ class Snapshot:
 
     @property
     def names(self) -> list[str]:
-        """Fields that the file holds."""
+        """Names of the fields in the file."""
         return list(self.units)
 
     @property
@@ -115,7 +115,7 @@ class Snapshot:
 
     @property
     def deck(self) -> Any:
-        """The deck with every key as used, in SI, as a namelist of f90nml."""
+        """The deck with all keys and their values, in SI, as a namelist of f90nml."""
         import f90nml
         return f90nml.reads(self._header.echo)
 
@@ -146,7 +146,7 @@ class Snapshot:
         return "m" if name in AXES else self.units[name if name in self.units else self._whole(name) or name]
 
     def _whole(self, name: str) -> str | None:
-        """The field that a name such as stress_xx is a component of."""
+        """The field to which a component such as stress_xx belongs."""
         base = name.rpartition("_")[0]
         return base if name in component_names(base, self._widths.get(base, 0)) else None
 
@@ -164,7 +164,7 @@ class Snapshot:
         return self._read[name]
 
     def size(self) -> NDArray[np.float64]:
-        """Present width of each particle in the plane of the model [m], from its volume, or its mass and density."""
+        """Current width of each particle in the plane of the model [m], from its volume, or its mass and density."""
         if "volume" not in self.names and {"mass", "density"} <= {*self.names}:
             volume = self["mass"].astype(np.float64) / np.maximum(self["density"].astype(np.float64), 1.0e-300)
         else:
@@ -178,9 +178,9 @@ class Snapshot:
               width: float | None = None) -> pandas.DataFrame:
         """Fields of the particles near a line from `start` to `end` (x, y, z) [m].
 
-        The result has a row a particle, sorted by the column `distance` from `start` [m], and a column for each of
-        `names`, in SI. `width` [m] is how far from the line a particle may be on either side: by default a width of
-        a particle. In one dimension all particles between the ends are near.
+        The result has a row per particle, sorted by the column `distance` from `start` [m], and a column for each of
+        `names`, in SI. `width` [m] is the greatest distance of a particle from the line: by default the width of a
+        particle. In one dimension all particles between the ends are near.
         """
         import pandas
         begin, finish = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
@@ -217,7 +217,7 @@ class Snapshot:
         return table
 
     def to_xarray(self, names: Sequence[str] | None = None) -> xarray.Dataset:
-        """Fields over the dimension `particle`; vectors and tensors have a dimension of components besides."""
+        """Fields over the dimension `particle`; vectors and tensors have a second dimension for their components."""
         need_package("xarray")
         import xarray
         data: dict[str, Any] = {"position": (("particle", "axis"), self.points, {"units": "m"})}
@@ -234,7 +234,7 @@ class Snapshot:
         return xarray.Dataset(data, coordinates, {"file": self.file, "dimension": self.dimension})
 
     def to_pyvista(self, names: Sequence[str] | None = None) -> pyvista.PolyData:
-        """Points with fields, to be drawn or filtered by pyvista."""
+        """Positions with fields, to be drawn or filtered by pyvista."""
         need_package("pyvista")
         import pyvista
         cloud = pyvista.PolyData(np.array(self.points))
@@ -244,7 +244,7 @@ class Snapshot:
 
 
 class Snapshots(Sequence[Snapshot]):
-    """Snapshots of a series by number, oldest first, or by time; files are opened when they are used."""
+    """Snapshots of a series by index, oldest first, or by time; files are opened at first use."""
 
     def __init__(self, frames: Sequence[tuple[float, str]]) -> None:
         self._frames = list(frames)

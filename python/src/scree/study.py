@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Studies: a deck run for all combinations of values of keys, each in a folder of its own, which can be continued."""
+"""Studies: a deck is run for all combinations of values of keys, each in a separate folder; studies can be
+continued."""
 from __future__ import annotations
 
 import hashlib
@@ -26,31 +27,31 @@ if TYPE_CHECKING:
 
 Measure = Callable[[Run], Union[float, Mapping[str, float]]]
 Ended = Callable[["Combination"], None]
-STAMP = "sweep.json"     # in the folder of a run: what was run
-SCREEN = "screen.txt"    # what earlier versions left beside it
+STAMP = "sweep.json"     # file in the folder of a run that describes the run
+SCREEN = "screen.txt"    # file that earlier versions wrote beside it
 
 
 @dataclass
 class Combination:
-    """One combination of values and how its run ended."""
+    """One combination of values and the result of its run."""
 
     settings: dict[str, Any]                             # value of each key
     folder: str
-    case: str | None = None                              # None: as the deck says
-    code: int | None = None                              # exit code; None if it did not run
-    reason: str = ""                                     # why it failed
-    kept: bool = False                                   # done by an earlier call
+    case: str | None = None                              # None: as in the deck
+    code: int | None = None                              # exit code; None if it was not run
+    reason: str = ""                                     # reason of a failure
+    kept: bool = False                                   # finished by an earlier call
     result: Run | None = None
     error: ScreeError | None = None
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What the summary of the run holds, nothing without one."""
+        """Content of the summary of the run, empty without one."""
         return self.result.summary if self.result is not None else {}
 
 
 def short(key: str) -> str:
-    """The part of a key that names folders and columns."""
+    """The part of a key that is used in names of folders and columns."""
     return key.rpartition(".")[2]
 
 
@@ -63,7 +64,7 @@ def folder_name(values: Mapping[str, Any]) -> str:
 
 def combinations(keys: Mapping[str, Sequence[Any]], base: str | os.PathLike[str], case: str | None = None
                  ) -> list[Combination]:
-    """All combinations of the values of keys, with folders in `base`; files begin with CASE and the values."""
+    """All combinations of the values of keys, with folders in `base`; names of files begin with CASE and the values."""
     found = []
     for chosen in itertools.product(*keys.values()):
         values = dict(zip(keys, chosen))
@@ -77,7 +78,7 @@ def combinations(keys: Mapping[str, Sequence[Any]], base: str | os.PathLike[str]
 
 
 def read_stamp(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """What was run in a folder, or nothing if no study made it."""
+    """Description of the run in a folder, or None if no study wrote it."""
     try:
         stamp = json.loads(Path(folder, STAMP).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -86,17 +87,17 @@ def read_stamp(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def holds_results(folder: str) -> bool:
-    """Whether a folder of a run holds more than what was run."""
+    """True if a folder of a run contains more than its description."""
     return os.path.isdir(folder) and bool({*os.listdir(folder)} - {STAMP, SCREEN})
 
 
 class Study:
-    """Runs combinations of values, some at a time.
+    """Runs combinations of values, several at a time.
 
     With `resume` finished runs of the same deck, values and program are kept, and stopped ones are continued from
     their checkpoints; other results of a study are replaced only with `overwrite`. Without `resume` every combination
     is run, and results that are there are refused unless `overwrite` is true. `settings` are values of further keys,
-    the same for all, and `options` those of scree.run.
+    the same for all runs, and `options` those of scree.run.
     """
 
     def __init__(self, deck: str | os.PathLike[str], *, program: str | os.PathLike[str] | None = None,
@@ -110,13 +111,14 @@ class Study:
         self._children: list[subprocess.Popen[str]] = []
 
     def stamp(self, one: Combination) -> dict[str, Any]:
-        """What makes a finished run the one of this combination."""
+        """Description of a run, by which a finished run is recognised."""
         content = self.deck.encode() if is_text(self.deck) else Path(self.deck).read_bytes()
         values = {key: deck_value(value) for key, value in {**self.common, **one.settings}.items()}
         return {"deck": hashlib.sha256(content).hexdigest(), "values": values, "program": self.version}
 
     def is_done(self, one: Combination) -> bool:
-        """Whether an earlier call finished this run with the same deck, values and program; its results then."""
+        """True if an earlier call finished this run with the same deck, values and program; its results are then
+        loaded."""
         if read_stamp(one.folder) != self.stamp(one):
             return False
         try:
@@ -129,7 +131,7 @@ class Study:
         return True
 
     def guard(self, one: Combination) -> None:
-        """Refuse to replace results that the run would not have."""
+        """Refuse to replace results that this study did not make."""
         if not holds_results(one.folder):
             return
         if STAMP not in os.listdir(one.folder):
@@ -140,19 +142,19 @@ class Study:
                               "another --outdir")
 
     def _restarts(self, one: Combination) -> bool:
-        """Whether the folder holds a checkpoint of this very run."""
+        """True if the folder contains a checkpoint of this run."""
         case = re.escape(one.case) if one.case else r".+"
         return read_stamp(one.folder) == self.stamp(one) and any(
             re.fullmatch(case + r"_chk_\d+\.h5", name) for name in os.listdir(one.folder))
 
     def _mark(self, one: Combination) -> None:
-        """Write what is run into the folder."""
+        """Write the description of the run to its folder."""
         Path(one.folder, STAMP).write_text(json.dumps(self.stamp(one), indent=1), encoding="utf-8")
 
     def _clear(self, one: Combination) -> bool:
-        """Make the folder ready for the run; the result is whether it continues from a checkpoint."""
+        """Prepare the folder for the run; the result is whether the run continues from a checkpoint."""
         if not self.resume:
-            if self.overwrite:                           # a failed run must not keep the mark of an earlier one
+            if self.overwrite:                           # a failed run must not keep the description of an earlier one
                 Path(one.folder, STAMP).unlink(missing_ok=True)
             return False
         if self._restarts(one):
@@ -164,7 +166,7 @@ class Study:
         return False
 
     def one(self, one: Combination) -> Combination:
-        """Run a combination, unless it is done."""
+        """Run a combination, unless an earlier call has finished it."""
         if self.resume and self.is_done(one):
             one.kept, one.code = True, 0
             return one
@@ -186,16 +188,16 @@ class Study:
         return one
 
     def stop(self) -> None:
-        """Let all runs write a checkpoint and end."""
+        """Stop all runs with a checkpoint."""
         self._stopping = True
         for child in list(self._children):
             stop(child)
 
     def all(self, runs: Sequence[Combination], jobs: int, ended: Ended, *, label: str = "runs", progress: bool = True,
             leave: bool = False) -> None:
-        """Run all combinations, `jobs` at a time; `ended` is called with each that ends."""
+        """Run all combinations, `jobs` at a time; `ended` is called with each finished one."""
         if self.resume:
-            for one in runs:                             # before the first one begins
+            for one in runs:                             # before the first run starts
                 self.guard(one)
         with progress_bar(total=len(runs), desc=label, leave=leave, disable=not (progress and bar_is_seen())) as bar, \
                 ThreadPoolExecutor(jobs) as pool:
@@ -206,7 +208,7 @@ class Study:
                     bar.clear()
                     ended(one)
                     bar.update()
-            except BaseException:                        # an interrupt too: leave checkpoints
+            except BaseException:                        # also after an interrupt: runs write checkpoints
                 pool.shutdown(wait=False, cancel_futures=True)
                 self.stop()
                 raise
@@ -228,9 +230,9 @@ def sweep(deck: str | os.PathLike[str], key: str | Mapping[str, Sequence[Any]],
     overwrite    replace other results in the folders of the runs
     options      those of scree.run, such as threads and program
 
-    The result has a row a run, in the order of the values: the keys, the measured numbers (a single one as `value`),
-    the folder, and in `error` why a run failed, empty if it did not. The numbers of a run that failed are NaN. A wrong
-    deck raises DeckError, results that are there already raise FileProblem unless resume or overwrite is True.
+    The result has a row per run, in the order of the values: the keys, the measured numbers (a single one as `value`),
+    the folder, and in `error` the reason of a failure, empty without one. The numbers of a failed run are NaN. An error
+    in the deck raises DeckError; existing results raise FileProblem unless resume or overwrite is True.
     """
     import pandas
     if isinstance(key, str) == (values is None):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Units of the numbers in files: every number that is read becomes SI here.
+"""Units of the numbers in files: this module converts every number that is read to SI.
 
-`output_units` of a deck lets snapshots, grids, slices and tables be in the units of another system.
-Data sets carry `unitSI` (one of their unit in SI) and `unitNameSI`, tables carry the unit in the
-heading of a column. Systems differ from SI by powers of ten only, so a number is multiplied or
-divided by an exact power of ten and is rounded once.
+With `output_units` of a deck, snapshots, grids, slices and tables are in the units of another system. Data sets have
+the attributes `unitSI` (the value of their unit in SI) and `unitNameSI`; tables have the unit in the heading of a
+column. Systems differ from SI by powers of ten only, so a number is multiplied or divided by an exact power of ten and
+is rounded once.
 """
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ SI_SYMBOLS = ("m", "s", "kg", "K", "N", "J", "W", "Pa", "deg")
 # Preferred names in SI, by powers of length, time, mass, temperature.
 NAMES = ("m", "m2", "m3", "s", "kg", "K", "m/s", "m/s2", "1/s", "kg/m3", "Pa", "N", "J", "J/kg", "W",
          "kg m/s", "kg m2/s", "J/(kg K)", "W/(m K)", "J/m2", "N/m")
-# Columns whose unit in SI is written otherwise than its powers alone would tell.
+# Columns whose name of the SI unit does not follow from its powers alone.
 BY_COLUMN = ((re.compile(r"torque_impulse_[xyz]"), "N m s"), (re.compile(r"(\w+_)?impulse_[xyz]"), "N s"))
-# Edge of a cell and the like, as a deck in this system writes them.
+# Keys that are lengths, such as the edge of a cell, in decks of this system.
 LENGTHS = {"si": "m", "cgs": "cm", "mm-ms-kg": "mm", "mm-ms-g": "mm", "cm-us-g": "cm",
            "mm-us-mg": "mm"}
 # Numbers of CASE.summary.json, which is always in SI.
@@ -92,11 +92,11 @@ def built(powers: Powers) -> str:
 
 
 def si_unit(label: str, column: str = "") -> tuple[str, int]:
-    """Unit of SI that stands for a unit, and the decimal exponent of the way to it."""
+    """SI unit for a unit, and the decimal exponent of the conversion."""
     if is_si(label):
         return label, 0
     found = parse(label)
-    if found is None:                                    # not ours: number and unit stay together
+    if found is None:                                    # a unit of another program: number and unit are not changed
         return label, 0
     exponent, powers = found
     for pattern, name in BY_COLUMN:
@@ -118,7 +118,7 @@ def shifted(values: Numbers, exponent: int) -> Numbers:
 
 
 def exponent_of(factor: float) -> int:
-    """The decimal exponent of a power of ten as it is stored."""
+    """The decimal exponent of a power of ten in a file."""
     if not (factor > 0.0 and math.isfinite(factor)):
         raise FileProblem(f"unitSI = {factor} is not a factor between units")
     exponent = round(math.log10(factor))
@@ -135,7 +135,7 @@ def plain(value: Any) -> str:
 
 
 def data_exponent(data: Any) -> int:
-    """Decimal exponent of the way of a data set, or of a group with `unitSI`, to SI."""
+    """Decimal exponent of the conversion to SI of a data set, or of a group with `unitSI`."""
     return exponent_of(float(data.attrs.get("unitSI", 1.0)))
 
 
@@ -150,7 +150,7 @@ def data_si(data: Any) -> Any:
 
 
 def raw_time(handle: Any) -> float | None:
-    """The time that a file of particles or of the grid holds, in its own unit, or None."""
+    """The time in a file of particles or of the grid, in the unit of the file, or None."""
     group = handle["VTKHDF"]
     if "FieldData/TimeValue" in group:
         values = group["FieldData/TimeValue"][...].ravel()
@@ -159,16 +159,16 @@ def raw_time(handle: Any) -> float | None:
 
 
 def raw_time_unit(handle: Any) -> str:
-    """The unit of the time of a file of particles as it stands there."""
+    """The unit of the time in a file of particles."""
     data = handle["VTKHDF"].get("FieldData/TimeValue")
     return "s" if data is None else plain(data.attrs.get("units", "s"))
 
 
 def time_exponent(handle: Any) -> int | None:
-    """Decimal exponent of the times of a file, or None where it cannot be told.
+    """Decimal exponent of the times of a file, or None where it cannot be determined.
 
-    A file of the grid says its time in SI in /provenance and in its own unit in /VTKHDF: at the
-    time zero both are the same.
+    A file of the grid has its time in SI in /provenance and in its own unit in /VTKHDF: for time zero both are the
+    same, and the exponent is not known.
     """
     group = handle["VTKHDF"]
     if "FieldData/TimeValue" in group:
@@ -187,7 +187,7 @@ def time_si(handle: Any) -> float | None:
 
 
 def series_exponent(files: list[str], opened: Callable[[str], Any]) -> int:
-    """Decimal exponent of the times that a series lists: that of its files, the last ones first.
+    """Decimal exponent of the times that a series lists: that of its files, of which the last ones are tried first.
 
     opened  opens a file, raises ScreeError or OSError if it cannot
     """
@@ -203,7 +203,7 @@ def series_exponent(files: list[str], opened: Callable[[str], Any]) -> int:
 
 
 def summary_unit(name: str) -> str:
-    """Unit of a number of CASE.summary.json, empty where it has none."""
+    """Unit of a number of CASE.summary.json, empty if it has none."""
     name = name.rpartition(".")[2]
     for pattern, unit in SUMMARY:
         if re.fullmatch(pattern, name):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading what Scree writes: snapshot series, snapshots and time histories.
+"""Readers of the files of Scree: snapshot series, snapshots and time histories.
 
     import scree_post
     for time, file in scree_post.series("out/case/case_p.hdf.series"):
@@ -8,8 +8,8 @@
     table = scree_post.history("out/case/case_history.csv")
     table["kinetic"], table.units["kinetic"]
 
-All values are in SI, whatever units the files are in. Reading needs h5py and numpy only; the command
-scree-post, which draws and compares, stands in scree_post.commands.
+All values are in SI, for files in any units. Reading needs h5py and numpy only; the command scree-post, which draws and
+compares, is in scree_post.commands.
 """
 from scree import __version__
 from scree.drawing.look import make_small, pyplot, save, scaled

@@ -22,14 +22,14 @@ CODES = "exit codes: 0 success, 1 a difference or a failure, 2 wrong command lin
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that says what is wrong in one line, and takes -10mm for a number."""
+    """A parser that reports errors in one line, and accepts -10mm as a number."""
 
     def __init__(self, *words: Any, **options: Any) -> None:
         super().__init__(*words, **{"allow_abbrev": False, **options})
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        """Raise an error in one line, with the nearest option for an unknown one."""
+        """Raise a one-line error, with the closest option for an unknown one."""
         wrong = re.match(r"unrecognized arguments: (--[\w-]+)", message)
         if wrong:
             known = [text for action in self._actions for text in action.option_strings]
@@ -44,7 +44,7 @@ def load(name: str) -> ModuleType:
 
 
 def overview() -> str:
-    """What scree-post --help prints."""
+    """Text of scree-post --help."""
     lines = ["usage: scree-post COMMAND [options]", "",
              "Reads, draws and compares what Scree writes.", ""]
     lines += [f"  {name:<12} {load(name).SUMMARY}" for name in COMMANDS]
@@ -63,7 +63,7 @@ def parser_of(name: str, module: ModuleType) -> Parser:
 
 
 def name_in(words: Sequence[str]) -> str:
-    """The subcommand that the words begin with, if there is one."""
+    """The subcommand at the start of the words, if there is one."""
     return words[0] if words and words[0] in COMMANDS else ""
 
 

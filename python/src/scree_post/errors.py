@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Errors that users see: one line on standard error and an exit code."""
+"""Errors for users: one line on standard error and an exit code."""
 from __future__ import annotations
 
 import os
@@ -11,7 +11,7 @@ from scree.errors import EXIT_FILE, ScreeError
 
 def run(main: Callable[[], int | None], name: str) -> None:
     """Run a command's main; errors are one line on standard error and an exit code."""
-    os.environ["MPLBACKEND"] = "Agg"                     # pictures go into files, with a display or without
+    os.environ["MPLBACKEND"] = "Agg"                     # pictures are written to files, with a display or without
     code: int | None
     try:
         code = main()
@@ -19,7 +19,7 @@ def run(main: Callable[[], int | None], name: str) -> None:
     except ScreeError as error:
         print(f"{name}: {error}", file=sys.stderr)
         code = error.code
-    except BrokenPipeError:                              # the reader of our output went away
+    except BrokenPipeError:                              # the reader of the output has closed it
         sys.stdout = open(os.devnull, "w", encoding="ascii")  # noqa: SIM115
         code = 0
     except KeyboardInterrupt:

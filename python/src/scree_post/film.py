@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Films from pages: .gif by Pillow, .mp4 by ffmpeg, or numbered pictures."""
+"""Films from frames: .gif by Pillow, .mp4 by ffmpeg, or numbered pictures."""
 from __future__ import annotations
 
 import os
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from scree.arrays import Array
 
 ENDINGS = (".mp4", ".gif", ".png")
-CLEAR = 18               # quality of an .mp4: 0 loses nothing, 51 is worst
-CHUNK = 4096             # colours that are compared with a palette in one go
-EXACT = 32               # most frequent colours of a .gif, which are kept as they are
+CLEAR = 18               # quality of an .mp4: 0 is lossless, 51 is worst
+CHUNK = 4096             # number of colours that are compared with a palette at a time
+EXACT = 32               # most frequent colours of a .gif, which are kept unchanged
 
 
 def check_film(path: str, option: str = "--out") -> None:
-    """Refuse a film that cannot be written before any page is drawn."""
+    """Refuse a film that cannot be written before any frame is drawn."""
     ending = os.path.splitext(path)[1].lower()
     if ending not in ENDINGS:
         raise ScreeError(f"{option} {path}: write an .mp4, a .gif, or .png for numbered pictures",
@@ -50,16 +50,16 @@ def encoder() -> str:
 
 
 def even(page: Array) -> Array:
-    """The colours of a page, with an even number of rows and columns as codecs want it."""
+    """The colours of a frame, with an even number of rows and columns as codecs require."""
     height, width = (2 * (side // 2) for side in page.shape[:2])
     return np.ascontiguousarray(page[:height, :width, :3])
 
 
 def encode(pages: Iterable[Array], path: str, rate: int, quality: int = CLEAR) -> list[str]:
-    """Write pages (height, width, 3 or 4) of bytes, all of one size, as a film.
+    """Write frames (height, width, 3 or 4) of bytes, all of one size, as a film.
 
-    `quality` is that of an .mp4, from 0, the best, to 51. Returns the files written. A film appears under its
-    name when it is whole.
+    `quality` is that of an .mp4, from 0, the best, to 51. Returns the files written. A film gets its name when it is
+    complete.
     """
     stem, ending = os.path.splitext(path)
     part = f"{stem}.part{ending}"
@@ -80,9 +80,9 @@ def encode(pages: Iterable[Array], path: str, rate: int, quality: int = CLEAR) -
 
 
 def encode_gif(pages: Iterable[Array], path: str, rate: int) -> None:
-    """All pages in one palette, so that no colour changes from page to page.
+    """All frames with one palette, so that no colour changes from frame to frame.
 
-    The palette is that of all pages, so they wait in a file until the last one is drawn.
+    The palette depends on all frames, so they are kept in a file until the last one is drawn.
     """
     (image,) = modules("PIL.Image")
     seen: Array = np.zeros(0, "u4")
@@ -115,13 +115,13 @@ def encode_gif(pages: Iterable[Array], path: str, rate: int) -> None:
 
 
 def packed_colours(page: Array) -> Array:
-    """A whole number for the colour of each pixel."""
+    """An integer for the colour of each pixel."""
     page = page.astype("u4")
     return page[..., 0] << 16 | page[..., 1] << 8 | page[..., 2]
 
 
 def unpacked(seen: Array) -> Array:
-    """Colours (n, 3) of whole numbers."""
+    """Colours (n, 3) of integers."""
     return np.stack([seen >> 16, seen >> 8 & 255, seen & 255], axis=1).astype("i4")
 
 
@@ -136,8 +136,8 @@ def nearest_entries(seen: Array, palette: Array) -> Array:
 
 
 def shared_palette(image: Any, seen: Array, counts: Array) -> Array:
-    """A palette (256, 3) for packed colours: the most frequent ones as they are, such as the white of the
-    page, the others so that rare ones, as those of the colour bar, have their share."""
+    """A palette (256, 3) for packed colours: the most frequent ones unchanged, such as the white of the background, the
+    others such that rare colours, as those of the colour bar, have entries too."""
     colours = unpacked(seen).astype("u1")
     exact = colours[np.argsort(-counts, kind="stable")[:EXACT]]
     others = image.fromarray(colours[None]).quantize(256 - EXACT, image.Quantize.MAXCOVERAGE)
@@ -147,7 +147,7 @@ def shared_palette(image: Any, seen: Array, counts: Array) -> Array:
 
 
 def numbered(pages: Iterable[Array], stem: str) -> list[str]:
-    """Write pages as STEM_000000.png and so on."""
+    """Write frames as STEM_000000.png and so on."""
     (image,) = modules("PIL.Image")
     names = []
     for number, page in enumerate(pages):
@@ -157,7 +157,7 @@ def numbered(pages: Iterable[Array], stem: str) -> list[str]:
 
 
 def encode_mp4(pages: Iterable[Array], path: str, rate: int, quality: int = CLEAR) -> None:
-    """Send pages to ffmpeg."""
+    """Send frames to ffmpeg."""
     pages = iter(pages)
     first = even(next(pages))
     height, width = first.shape[:2]
@@ -170,7 +170,7 @@ def encode_mp4(pages: Iterable[Array], path: str, rate: int, quality: int = CLEA
             process.stdin.write(first.tobytes())
             for page in pages:
                 process.stdin.write(even(page).tobytes())
-        except BrokenPipeError:                          # ffmpeg says below why it gave up
+        except BrokenPipeError:                          # the error of ffmpeg is reported below
             pass
         said = process.communicate()[1].decode("utf-8", "replace").strip()
     if process.returncode != 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The fragments of a snapshot: pieces of particles that have not failed, as a table."""
+"""The fragments of a snapshot: connected groups of particles that have not failed, as a table."""
 from __future__ import annotations
 
 import math
@@ -34,7 +34,7 @@ class Fragments:
     rows: list[tuple[Any, ...]] = field(default_factory=list)             # values of COLUMNS
     failed: float = 0.0                                  # mass of failed particles [kg]
     total: float = 0.0                                   # mass of all particles [kg]
-    note: str = ""                                       # what a fragment is in this run
+    note: str = ""                                       # definition of a fragment in this run
 
     @property
     def masses(self) -> Array:
@@ -43,7 +43,7 @@ class Fragments:
 
 
 def note_of(snap: Snapshot, mirror: bool, periodic: Collection[int]) -> str:
-    """What a fragment is, in a sentence for people."""
+    """Definition of a fragment, as a sentence."""
     text = {"axisymmetric": "axisymmetric: a fragment is a ring around the axis; its mass is that "
             "of the whole ring, centre_x its radius, size the diameter of its cross-section",
             "plane_strain": "plane strain: a fragment is a prism as thick as the box; size is the "
@@ -61,7 +61,7 @@ def note_of(snap: Snapshot, mirror: bool, periodic: Collection[int]) -> str:
 
 
 def plane_axes(snap: Snapshot) -> tuple[int, ...]:
-    """Axes in which particles can be apart."""
+    """Axes along which particles can be separated."""
     return {"3d": (0, 1, 2), "1d": (0,)}.get(snap.dimension, (0, 2))
 
 
@@ -97,7 +97,7 @@ def fragments_of(snap: Snapshot, factor: float = 1.5, cell: float | None = None,
 
 
 def unwrapped(points: Array, labels: Array, first: Array, box: Box, around: Sequence[int]) -> Array:
-    """Points of pieces that lie across a periodic face, moved to the side of their first one."""
+    """Positions of fragments across a periodic boundary, moved to the side of their first particle."""
     points = points.copy()
     for axis in around:
         length = box.side(axis)[1] - box.side(axis)[0]
@@ -108,7 +108,7 @@ def unwrapped(points: Array, labels: Array, first: Array, box: Box, around: Sequ
 
 def table(snap: Snapshot, labels: Array, points: Array, signs: Array, rows: Array,
           wrap: tuple[Box, Sequence[int]]) -> list[tuple[Any, ...]]:
-    """A row of COLUMNS for each piece, the heaviest first."""
+    """A row of COLUMNS for each fragment, the heaviest first."""
     box, around = wrap
     mass = snap.fields["mass"].astype("f8")[rows]
     volume = snap.fields["volume"].astype("f8")[rows]
@@ -129,7 +129,7 @@ def table(snap: Snapshot, labels: Array, points: Array, signs: Array, rows: Arra
     number, space = np.bincount(labels, minlength=count), total(volume)
     size = diameter(snap, space, total(volume / np.maximum(points[:, 0], 1.0e-300)))
     body = main_body(snap.body_rows()[rows], mass, labels, count) + snap.first_body
-    # Bits of sums may differ between equal mirror images: order by rounded mass, then by place.
+    # Bits of sums may differ between equal mirror images: order by rounded mass, then by position.
     order = np.lexsort((centre[:, 0].round(9), centre[:, 2].round(9),
                         -np.array([float(f"{value:.9e}") for value in heavy])))
     return [(snap.time, place + 1, int(number[row]), float(heavy[row]),
@@ -148,7 +148,7 @@ def diameter(snap: Snapshot, volume: Array, volume_over_radius: Array) -> Array:
 
 
 def main_body(bodies: Array, mass: Array, labels: Array, count: int) -> Array:
-    """Row of the body that most of the mass of each piece belongs to."""
+    """Row of the body to which most of the mass of each fragment belongs."""
     kinds = int(bodies.max()) + 1
     share = np.bincount(labels * kinds + bodies, mass, minlength=count * kinds)
     return np.asarray(share.reshape(count, kinds).argmax(axis=1))

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The page of a history: energies, momentum, mass and their errors over time.
 
-Columns that the file does not hold are left out; columns unknown here are drawn by unit below the
-ledger.
+Columns that the file lacks are omitted; columns unknown to this module are drawn by unit below the ledger.
 """
 from __future__ import annotations
 
@@ -31,7 +30,7 @@ ERRORS = {
 }
 AXES = ("#1f5a93", "#2f7d3b", "#b3311b")
 DASHES = {"total": "-", "lost_energy": (0, (4, 2)), "external_work": (0, (1, 1.2))}
-FLOOR = 1.0e-17          # errors below are drawn here: round-off of one number is 1e-16
+FLOOR = 1.0e-17          # smaller errors are drawn here: round-off of one number is 1e-16
 BOOKKEEPING = ("step", "particles")
 
 Style = Callable[[str], tuple[str, Any, Union[str, None]]]   # colour, dash and label of a column
@@ -39,19 +38,19 @@ Draw = Callable[["Axes", "Array", "History"], None]
 
 
 def present(table: History, names: Iterable[str]) -> list[str]:
-    """Those of the names that the file holds and that are not always zero."""
+    """Those of the names that are in the file and not always zero."""
     return [name for name in names if name in table and abs(table[name]).max() > 0.0]
 
 
 def largest(table: History, names: Iterable[str]) -> float:
-    """Largest finite magnitude of some columns."""
+    """Largest finite magnitude in some columns."""
     values = np.abs(np.concatenate([table[name] for name in names]))
     values = values[np.isfinite(values)]
     return float(values.max()) if len(values) else 0.0
 
 
 def lines(axes: Axes, time: Array, table: History, names: Sequence[str], style: Style) -> str:
-    """Draw columns of one unit; `style` gives colour, dash and label of a name."""
+    """Draw columns of one unit; `style` gives colour, dash pattern and label of a name."""
     unit = table.units[names[0]]
     size = largest(table, names)
     factor, label = look.readable_unit(size, unit)
@@ -91,7 +90,7 @@ def errors(axes: Axes, time: Array, table: History) -> None:
 
 
 def momenta(axes: Axes, time: Array, table: History) -> None:
-    """Components of the momentum, and what left through faces dashed."""
+    """Components of the momentum, and dashed the momentum that left through boundaries."""
     names = present(
         table, [stem + axis for stem in ("momentum_", "lost_momentum_") for axis in "xyz"]
     )
@@ -143,7 +142,7 @@ def others(names: Sequence[str]) -> Draw:
 
 
 def panels(table: History) -> list[Draw]:
-    """The panels that the columns of the file allow, in the order of the page."""
+    """The panels for the columns of the file, in the order of the page."""
     wanted: list[tuple[Draw, Iterable[str]]] = [
         (energies, ENERGY),
         (errors, ERRORS),

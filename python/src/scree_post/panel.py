@@ -30,7 +30,7 @@ SEAM = 0.25              # line around each particle, which closes seams and sho
 def particles(axes: Axes, snap: Snapshot, values: Any, *, low: float | None = None, high: float | None = None,
               colours: str = look.SEQUENTIAL, rows: Array | None = None, sides: Sequence[float] = (1.0,),
               factor: float = 1.0e3, along: float = 0.0, log: bool = False) -> PolyCollection:
-    """Draw particles as large as their volume; what is drawn, for a colour bar.
+    """Draw particles as large as their volume; returns the drawn collection, for a colour bar.
 
     values  numbers (n) for the colour map, colours (n, 3) or (n, 4), or one colour for all
     rows    the particles that are drawn (all)
@@ -48,7 +48,7 @@ def particles(axes: Axes, snap: Snapshot, values: Any, *, low: float | None = No
     middle, edges = snap.points[rows][:, [0, 2]], 0.5 * plane_edges(snap, size)[rows]
     if not isinstance(values, str):
         values = np.concatenate([np.asarray(values)[rows] for _ in sides])
-    for layer, spread in ((0.95, BELOW), (1.0, 1.0)):    # the layer below closes gaps between neighbours
+    for layer, spread in ((0.95, BELOW), (1.0, 1.0)):    # the layer below fills gaps between neighbours
         corners = np.stack([middle + spread * (a * edges[:, 0] + b * edges[:, 1])
                             for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1)
         corners = np.concatenate([factor * corners * (side, 1.0) + (along, 0.0) for side in sides])

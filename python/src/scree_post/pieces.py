@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pieces of connected particles: neighbours by distance or by cells, and what is connected."""
+"""Groups of connected particles: neighbours by distance or by cells, and connected components."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ def close_pairs(points: Array, reach: Array, factor: float) -> Array:
 
 
 def touching_cells(points: Array, width: float) -> Array:
-    """Pairs (n, 2) that connect points of the same cell and of cells that touch, corners included."""
+    """Pairs (n, 2) that connect points of the same cell and of cells that touch, including those at corners."""
     cells = np.floor((points - points.min(axis=0)) / width)
     different, first, inverse = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     neighbours = cKDTree(different).query_pairs(1.5, p=np.inf, output_type="ndarray")
@@ -36,7 +36,7 @@ def touching_cells(points: Array, width: float) -> Array:
 
 
 def with_ghosts(points: Array, reach: float, box: Box, axes: Sequence[tuple[int, int]]) -> tuple[Array, Array]:
-    """Points with copies beyond periodic boundaries, and the row of the point each is a copy of.
+    """Points with copies beyond periodic boundaries, and for each the row of the original point.
 
     axes  positions of the periodic axes among the columns, with the axis of the box: [(0, 0)]
     """
@@ -53,9 +53,9 @@ def with_ghosts(points: Array, reach: float, box: Box, axes: Sequence[tuple[int,
 
 def find_pieces(points: Array, reach: Array, factor: float = 1.5, cell: float | None = None,
                 box: Box | None = None, periodic: Sequence[tuple[int, int]] = ()) -> Array:
-    """Number of the piece of each point: neighbours within factor * reach, or of touching cells.
+    """Index of the group of each point: neighbours within factor * reach, or in touching cells.
 
-    Pieces are numbered in the order of their first points.
+    Groups are numbered in the order of their first points.
     """
     if len(points) == 0:
         return np.zeros(0, np.int64)

@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from scree.drawing.walls import Wall
     from scree.files import Snapshot
 
-MOST_LINES = 80          # of the grid along a side; more are thinned out
+MOST_LINES = 80          # grid lines along a side; if there are more, only every n-th is drawn
 MARGIN = 0.06            # of the page around the box
 FRAME = 0.012            # width of the edges of the box in space [inch]
 
 
 def options_for(snap: Snapshot, by: str | None, view: Window | tuple[()], title: str, dpi: int,
                 camera: tuple[float, float]) -> Options:
-    """How a scene is drawn: not mirrored, because a preview shows what is computed."""
+    """Options for drawing a scene: without mirror images, because a preview shows the computed domain."""
     if by is None:
         by = "body" if "body" in snap.fields else "material"
     return Options(colour=colours.colour_for(by, [snap]), mirror=False, view=view, title=title,
@@ -61,12 +61,12 @@ def draw(snap: Snapshot, options: Options) -> Figure:
 
 
 def heading(snap: Snapshot, options: Options) -> str:
-    """Title, and what there is."""
+    """Title, and numbers of cells and particles."""
     return (f"{options.title}\n" if options.title else "") + count_text(snap)
 
 
 def wall_handles(drawn: Sequence[Wall]) -> list[Any]:
-    """A line of the legend for each wall, those of a face and a type once."""
+    """A line of the legend for each wall; walls of one boundary and type have one line."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
     handles: list[Any] = []
@@ -107,7 +107,7 @@ def legend(figure: Figure, snap: Snapshot, options: Options, drawn: Sequence[Wal
 
 
 def thinning(longest: float, cell: float) -> int:
-    """How many cells lie between two lines, for the longest side of the box [m]."""
+    """Number of cells between two lines, for the longest side of the box [m]."""
     every = 1
     while longest / cell / every > MOST_LINES:
         every *= 2
@@ -115,7 +115,7 @@ def thinning(longest: float, cell: float) -> int:
 
 
 def grid_lines(low: float, high: float, cell: float, every: int) -> Array:
-    """Places of the edges of cells along a side [m], those that are drawn."""
+    """Positions of the cell faces along a side [m] that are drawn."""
     count = max(1, round((high - low) / cell))
     return low + cell * np.arange(0, count + 1, every)
 
@@ -173,7 +173,7 @@ def draw_line(snap: Snapshot, options: Options) -> Figure:
 
 
 class ScenePage(SpacePage):
-    """A scene in space: the window holds the whole box, the heading says what there is."""
+    """A scene in 3-D: the window contains the whole box, the heading has the numbers of cells and particles."""
 
     def window(self, parts: Sequence[Matter]) -> Window:
         """Left, right, bottom, top around all corners of the box [m]."""
@@ -192,11 +192,11 @@ class ScenePage(SpacePage):
         super().__init__([snap], options)
 
     def heading(self, _time: float) -> str:
-        """Title, and what there is."""
+        """Title, and numbers of cells and particles."""
         return heading(self.snap, self.options)
 
     def add_walls(self, image: render.Image, snap: Snapshot, axes: Array) -> None:
-        """Rigid regions and closed faces, and the edges of the box."""
+        """Rigid regions and closed boundaries, and the edges of the box."""
         super().add_walls(image, snap, axes)
         corners = np.array([[self.ends[i][0], self.ends[j][1], self.ends[k][2]]
                             for i in (0, 1) for j in (0, 1) for k in (0, 1)]) @ axes.T
@@ -207,7 +207,7 @@ class ScenePage(SpacePage):
 
 
 def draw_space(snap: Snapshot, options: Options) -> Figure:
-    """A scene in space, the faces named beside it."""
+    """A scene in 3-D, with labels of the boundaries."""
     page = ScenePage(snap, options)
     figure = page.draw(snap)
     for axes in figure.axes:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Progress of long work with the time left, on a terminal only."""
+"""Progress of long operations with the remaining time, on a terminal only."""
 from __future__ import annotations
 
 import sys
@@ -25,11 +25,11 @@ class Progress:
             self.bar.close()
 
     def step(self, count: int = 1) -> None:
-        """Some more of the work is done."""
+        """A further part of the work is done."""
         if self.bar is not None:
             self.bar.update(count)
 
     def clear(self) -> None:
-        """Remove the line, so that what is printed next stands alone."""
+        """Remove the line, so that following output is not mixed with it."""
         if self.bar is not None:
             self.bar.clear()

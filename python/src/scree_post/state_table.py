@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tables of an equation of state, as eos_model = 'table' reads them: p and e over density and temperature.
+"""Tables of an equation of state for eos_model = 'table': p and e over density and temperature.
 
     axis(0.01, 10.0, 40)                          40 densities with equal ratios
     ideal_gas(densities, temperatures, 1.4, 717.5)
@@ -29,7 +29,7 @@ class Solid(NamedTuple):
 
 
 def axis(least: float, greatest: float, count: int) -> Array:
-    """Numbers with equal ratios, the ends exact."""
+    """Numbers with equal ratios and exact end values."""
     numbers = np.geomspace(least, greatest, count)
     numbers[[0, -1]] = least, greatest
     return numbers
@@ -43,7 +43,7 @@ def ideal_gas(densities: Array, temperatures: Array, gamma: float, heat: float) 
 
 
 def solid_curves(volume: float, solid: Solid) -> tuple[float, float]:
-    """Pressure without energy A and its growth with energy G of p = A + G e at a specific volume."""
+    """Pressure at zero energy A and its derivative with respect to the energy G, p = A + G e, at a specific volume."""
     ratio = volume * solid.density                       # rho0/rho
     y, strain = 1.0 / ratio, 1.0 - ratio
     bulk = solid.density * solid.sound ** 2
@@ -57,9 +57,9 @@ def solid_curves(volume: float, solid: Solid) -> tuple[float, float]:
 
 
 def cold_energies(densities: Array, solid: Solid) -> Array:
-    """Energy at the temperature at which e = 0 at rest, along the densities: of a free energy
-    F = e_c(v) + c_v (T - T0 - T ln(T/T0) - T g(v)) with g' = G follow p = A + G e and rho**2 de/drho = p - T dp/dT,
-    if -de_c/dv = A + G (e_c - c_v T0)."""
+    """Energy along the densities at the temperature at which e = 0 at rest: a free energy F = e_c(v) + c_v (T - T0 - T
+    ln(T/T0) - T g(v)) with g' = G gives p = A + G e and rho**2 de/drho = p - T dp/dT, if -de_c/dv = A + G (e_c - c_v
+    T0)."""
     from scipy.integrate import solve_ivp
 
     def slope(volume: float, energy: Array) -> Array:
@@ -69,7 +69,7 @@ def cold_energies(densities: Array, solid: Solid) -> Array:
     rest = 1.0 / solid.density
     volumes = 1.0 / np.asarray(densities, dtype=np.float64)
     found = np.zeros(len(volumes))
-    for side in (volumes < rest, volumes > rest):        # the curves have a kink at rest
+    for side in (volumes < rest, volumes > rest):        # the curves have a kink at the state of rest
         if side.any():
             order = np.flatnonzero(side)[np.argsort(np.abs(volumes[side] - rest))]
             found[order] = solve_ivp(slope, (rest, volumes[order[-1]]), [0.0], "DOP853", volumes[order], rtol=1.0e-12,
@@ -78,8 +78,8 @@ def cold_energies(densities: Array, solid: Solid) -> Array:
 
 
 def mie_gruneisen(densities: Array, temperatures: Array, solid: Solid) -> tuple[Array, Array]:
-    """Pressure and energy (density, temperature) of a free energy whose p of density and energy is that of
-    eos_model = 'mie_gruneisen', with a constant specific heat."""
+    """Pressure and energy (density, temperature) of a free energy with constant specific heat, whose pressure as a
+    function of density and energy is that of eos_model = 'mie_gruneisen'."""
     cold = cold_energies(densities, solid)
     curves = np.array([solid_curves(1.0 / density, solid) for density in densities])
     energy = cold[:, None] + solid.heat * (np.asarray(temperatures)[None, :] - solid.zero)

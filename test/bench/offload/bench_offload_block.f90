@@ -53,7 +53,7 @@ contains
       total = self%particles*number
       rows = self%particles + spare
       self%start = [(8*cell, cell=0, cells)]
-      ! kernels with particles as lanes may write some rows after the last one
+      ! kernels with particles as lanes may write up to some rows after the last particle
       allocate (self%mass(total + spare), self%volume(total + spare))
       allocate (self%position(total + spare, 3), self%velocity(total + spare, 3))
       allocate (self%stress(total + spare, 6))
@@ -158,7 +158,7 @@ contains
       !$omp target update from(volume, position, velocity, stress)
    end subroutine leave
 
-   !> Are all particles in the cells where they began?
+   !> True if all particles are in the cells in which they began.
    logical function block_inside(self) result(inside)
       class(block_t), intent(in) :: self
       integer :: tile, cell, p

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The loops over tiles of bench_offload, around the kernels of the program. Each loop is for a
-!! device, or for threads of this machine if `on_device` is false.
+!> The loops over tiles of bench_offload, around the kernels of the program. Each loop runs on a
+!! device, or in threads of the host if `on_device` is false.
 !!
-!! Objects with allocatable components cannot be mapped to a device by gfortran 12 to 14. So the
-!! grid and the tiles are variables that exist on both, and their tables are filled on both.
+!! gfortran 12 to 14 cannot map objects with allocatable components to a device. So the grid and the
+!! tiles are variables that exist on both, and their tables are filled on both.
 module bench_offload_step
    use base_kinds, only: wp
    use constitutive_kinematics, only: centre_gradient, predict_deviator
@@ -59,7 +59,7 @@ contains
          tiles%neighbor, grid%cells, grid%width, grid%stride, grid%lane_offset, grid%tile_nodes)
    end subroutine put_tables
 
-   !> The same on the device, from plain copies. Here it is the same memory.
+   !> The same on the device, from plain copies. On the host both share the memory.
    subroutine fill_device(cells, number, first_node, coordinate, neighbor, grid_cells, width, &
       stride, lane_offset, tile_nodes)
       integer, intent(in) :: cells                   !! Cells of a tile
@@ -144,7 +144,7 @@ contains
          call divide_motion(mass(:, :, tile), velocity(:, :, tile), acceleration(:, :, tile))
          call combine(1.0_wp, velocity(:, :, tile), dt, acceleration(:, :, tile), &
             strain(:, :, tile))
-         ! of the velocity of a particle that keeps a fraction of its own
+         ! increment of particles that keep a fraction of their own velocity
          call combine(dt, acceleration(:, :, tile), 1.0_wp - flip_fraction, &
             velocity(:, :, tile), increment(:, :, tile))
       end do
@@ -180,7 +180,7 @@ contains
          call predict_deviator(first, first + particles - 1, .false., shear, &
             gradient(:, :, tile), volume, stress, work(:, 1, tile), work(:, 2, tile), &
             work(:, 3, tile))
-         ! the linear equation of state: its kernel belongs to an object that cannot be mapped
+         ! linear equation of state: its kernel is bound to an object that cannot be mapped
          do k = 1, 3
             do p = 1, particles
                stress(first + p - 1, k) = stress(first + p - 1, k) - bulk*(mass(first + p - 1) &

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Options of test_harness.py, which CTest gives."""
+"""Options of test_harness.py, which CTest sets."""
 
 
 def pytest_addoption(parser):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The harness itself: what must fail does, and says where; what is not supported is refused.
+"""The harness itself: failing tests fail and report the line; unsupported directives are refused.
 
-Would catch an assertion that always passes, a failure on a high rank that is lost, an exit code
-that hides failures, and a directive that silently becomes a comment.
+Would catch an assertion that always passes, a failure on a higher rank that is lost, an exit code that hides failures,
+and a directive that is treated as a comment.
 """
 
 import re
@@ -77,7 +77,7 @@ class TestHarness:
 
 
 class TestTranslator:
-    """What is not supported is refused with file and line."""
+    """Unsupported directives are refused with file and line."""
 
     def test_good_file(self):
         assert translate(GOOD) == (0, "")

@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Waves that meet a face of type = 'absorbing': along the normal, of shear, askew, round an axis, and in the books.
+"""Waves that meet a boundary of type = 'absorbing': at normal incidence, shear waves, at oblique incidence, in
+axisymmetry, and the balances.
 
-Would catch: a face that is as open or as closed as others, speeds of the wrong material or of P and S waves exchanged,
-the wrong share of the face in a node, a force of the velocity before the step, normal and tangential directions mixed
-up, impulse or work that is not booked, nodes that two ranks slow differently, what flies stopped where no matter goes
-on, waves of points of a list, or of the other of two layers, thrown back.
+Would catch: a boundary that acts like an open or a closed one, speeds of the wrong material or of P and S waves
+exchanged, a wrong fraction of the boundary area of a node, a force from the velocity before the step, normal and
+tangential directions mixed up, impulse or work that is not recorded, nodes that two ranks slow differently, flying
+material that is stopped where no material reached the boundary at the start, reflected waves in bodies from lists of
+points, or in the second of two layers.
 
-A velocity of the face xlo, sin**2 of 20 cells, runs through a bar of 100 cells; the amplitude that comes back is
-compared with what came. A free face gives +0.87, a mirror -0.86, as the method itself dulls so short a pulse on its
-way of 200 cells; the absorbing face 0.0013, limit 0.005; of shear 0.0042, limit 0.01. Shorter pulses come back more:
-0.006 with 10 cells, 0.0011 with 40. mpm with linear functions 0.0075, quadratic ones 0.015, limit 0.02.
+A velocity of the boundary xlo, sin**2 over 20 cells, propagates through a bar of 100 cells; the reflected amplitude is
+compared with the incident one. A free boundary gives +0.87, a mirror plane -0.86, since the method itself damps so
+short a pulse on its path of 200 cells; the absorbing boundary 0.0013, limit 0.005; for shear 0.0042, limit 0.01.
+Shorter pulses are reflected more: 0.006 with 10 cells, 0.0011 with 40. mpm with linear functions 0.0075, quadratic ones
+0.015, limit 0.02.
 
-Askew: packets of P waves of 17 cells that meet two faces at 45 degrees and those around it. What dashpots throw back
-is a linear problem of three waves, solved here and averaged over the directions of the packet: 0.0050 of its energy;
-energy afterwards against that with free faces 0.0091, limit 0.01 more than the dashpots.
+Oblique incidence: packets of P waves of 17 cells that meet two boundaries at 45 degrees and angles around it.
+Reflection by dashpots is a linear problem of three waves, solved here and averaged over the directions of the packet:
+0.0050 of the energy; final energy over that with free boundaries 0.0091, limit 0.01 above the value for the dashpots.
 """
 # timeout: 120
 
@@ -108,7 +111,7 @@ BLOW = """
 
 
 def pulse(folder, component, width):
-    """The table of the velocity of the face that makes a smooth pulse."""
+    """The table of the boundary velocity that makes a smooth pulse."""
     lines = ["t,vx,vy,vz"]
     for time in np.linspace(0.0, width, 201).tolist():
         row = [0.0, 0.0, 0.0]
@@ -118,7 +121,7 @@ def pulse(folder, component, width):
 
 
 def returned(options, name, kind, component=0, along=0, cells=20, dimension="1d", method="ddmp", words=""):
-    """Amplitude that comes back from the face over that which came, with its sign."""
+    """Reflected amplitude over the incident one, with its sign."""
     speed = P_SPEED if component == along else S_SPEED
     length, width = 100 * EDGE, cells * EDGE / speed
     size = [length, 5 * EDGE] if along == 0 else [5 * EDGE, length]
@@ -142,7 +145,7 @@ def returned(options, name, kind, component=0, along=0, cells=20, dimension="1d"
 
 
 def test_along_the_normal(options, sheet):
-    """P waves in bars of all node functions that suit a face, and S waves."""
+    """P waves in bars with all shape functions that are compatible with the boundary, and S waves."""
     sheet.above("free face gives the pulse back", returned(options, "free", "outflow"), 0.8)
     sheet.above("mirror gives it back turned", -returned(options, "mirror", "symmetry"), 0.8)
     sheet.below("P wave", returned(options, "normal", "absorbing"), 0.005)
@@ -159,11 +162,11 @@ def test_along_the_normal(options, sheet):
 
 
 def thrown_back(angle):
-    """Share of the energy of a plane P wave that dashpots throw back as P and S waves."""
+    """Fraction of the energy of a plane P wave that dashpots reflect as P and S waves."""
     lame = BULK - 2.0 / 3.0 * SHEAR
 
     def fault(way, motion, speed):
-        """Stress on the face and the dashpots' that a wave needs besides, with the normal along x."""
+        """Difference between the stress of a wave on the boundary and that of the dashpots, with the normal along x."""
         stress = -(lame * (way @ motion) * np.eye(2) + SHEAR * (np.outer(way, motion) + np.outer(motion, way))) / speed
         return stress[0] + DENSITY * np.array([P_SPEED * motion[0], S_SPEED * motion[1]])
 
@@ -178,8 +181,8 @@ def thrown_back(angle):
 
 
 def waves(snap):
-    """Measure of the kinetic energy of the mean velocities of cells: what particles of a cell keep for themselves, as
-    the nodes do not see it, is no wave."""
+    """Measure of the kinetic energy of the mean velocities of cells: relative motion of the particles of a cell, which
+    the nodes do not resolve, is not part of a wave."""
     cell = np.floor(snap.points / EDGE).astype(int)
     place = cell[:, 0] * 1000 + cell[:, 2]
     count = np.maximum(np.bincount(place), 1)
@@ -187,8 +190,8 @@ def waves(snap):
 
 
 def test_askew(options, sheet):
-    """Plane packets of P waves in a box that is periodic along its faces. They begin with a velocity alone, so that
-    half of them goes to the one face and half to the other."""
+    """Plane packets of P waves in a box that is periodic in the directions of its boundaries. They begin with a
+    velocity alone, so half of them propagates to each boundary."""
     half, cells = 50 * EDGE, 24
     slope, depth = 2.0 * math.pi / (cells * EDGE), 16 * EDGE
     x, z = [places.ravel() for places in np.meshgrid(
@@ -218,7 +221,8 @@ def test_askew(options, sheet):
 
 
 def test_books(options, sheet):
-    """A ball that flies apart in space, with the same bits on ranks; round an axis a rod that does, with strength."""
+    """A ball that expands in 3-D, with the same bits on several ranks; in axisymmetry a rod that expands, with
+    strength."""
     sides = "".join(f"&boundary face='{face}' type='{{}}' /\n" for face in ("xhi", "zlo", "zhi"))
     ball = BLOW.format(dimension="3d", wide=0.2, end=8.0e-5, strength=".false.", shear="", core="sphere", core_words="",
                        blow="velocity=30,20,5", faces="&boundary face='all' type='absorbing' /\n"
@@ -243,9 +247,9 @@ def test_books(options, sheet):
 
 
 def test_where_matter_goes_on(options, sheet):
-    """A block flies out where none reaches the face at the start; two bars without a Poisson effect, the second with
-    half the wave speed, are at rest when their waves have left. With the speeds of the first in both, a ninth of the
-    energy of the second comes back."""
+    """A block flies out where no material reaches the boundary at the start; two bars without a Poisson effect, the
+    second with half the wave speed, are at rest when their waves have left. With the wave speeds of the first bar at
+    both boundaries, a ninth of the energy of the second would be reflected."""
     run = case.Case(options, "flight", FLIGHT.format(matter=MATTER)).run("-q")
     sheet.near("flight: mass that leaves [kg]", run.history["lost_mass"][-1], run.history["mass"][0], 1.0e-12)
     sheet.near("flight: its momentum [kg m/s]", run.history["lost_momentum_x"][-1], run.history["momentum_x"][0],

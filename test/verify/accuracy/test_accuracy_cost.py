@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The study of what accuracy costs in time: that it runs, goes on, and judges rightly.
+"""The study of accuracy against cost: that it runs, continues after an interruption, and evaluates correctly.
 
-Would catch: rows that are lost or made twice after an interruption, a front that holds a beaten run or lacks a good
-one, failed runs that count as good, costs between two runs that are not on the line through them, a model of the cost
-that a disturbed run pulls away, a problem whose deck the program no longer takes. With made-up numbers the answers
-are known; `--quick` makes six short runs. No time of a run is judged.
+Would catch: rows that are lost or computed twice after an interruption, a Pareto front that contains a dominated run or
+lacks a good one, failed runs that count as good, costs between two runs that are not on the line through them, a cost
+model that an outlier distorts, a problem whose deck the program no longer accepts. With artificial numbers the results
+are known; `--quick` makes six short runs. No run time is checked.
 """
 # timeout: 200
 
@@ -25,7 +25,7 @@ def row(way, error, seconds, cause="", steps=100, updates=1000, ppc=2):
 
 
 def test_front(sheet):
-    """Best rows and what lies between them."""
+    """Best rows and interpolation between them."""
     best = [row("a", 0.5, 1.0), row("b", 0.05, 10.0), row("a", 0.005, 1000.0)]
     beaten = [row("b", 0.6, 2.0), row("a", 0.05, 11.0), row("b", 0.06, 10.0), row("a", 0.004, 5.0, "exit code 4"),
               row("b", 3.0, 0.1), row("b", math.nan, 0.1, "not a number")]
@@ -42,7 +42,7 @@ def test_front(sheet):
 
 
 def test_model(sheet):
-    """Steps and updates have their price, whatever a disturbed run says."""
+    """Steps and updates have the correct cost in the model, in spite of outliers."""
     rows = [row(way, 0.1, steps * 2.0e-5 + updates * price, steps=steps, updates=updates)
             for way, price in (("a", 3.0e-7), ("b", 5.0e-7)) for steps, updates in
             ((10, 1000), (100, 5000), (200, 90000), (400, 500000), (800, 10000))]
@@ -54,7 +54,7 @@ def test_model(sheet):
 
 
 def test_decks(options, sheet):
-    """The program takes the deck of every problem and way."""
+    """The program accepts the deck of every problem and method."""
     decks = 0
     for name, problem in accuracy_problems.PROBLEMS.items():
         plan = problem.plan()
@@ -79,7 +79,7 @@ def test_quick(options, sheet):
 
 
 def test_stored(sheet):
-    """The rows in the repository are of the plan."""
+    """The rows in the repository belong to the plan of the study."""
     rows = accuracy_cost.read(accuracy_cost.ROOT / "doc/accuracy/accuracy.csv")
     keys = [accuracy_cost.key_of(line) for line in rows]
     sheet.above("stored rows", len(rows), 300)

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `scree-post accuracy` says of a deck whose answers and orders are known.
+"""Results of `scree-post accuracy` for a deck with known solution and order.
 
 Would catch: a wrong order from unequal ratios of cells, an extrapolation to the wrong side, a bound below the true
-error, a forecast that the run it foretells does not keep, cells that do not fit the grid, a quantity from the wrong
-row, columns of another run, a failure that is passed over in silence.
+error, a predicted cell size with which the error exceeds the tolerance, cells that do not fit the grid, a quantity from
+the wrong row, columns of another run, a failure that is not reported.
 
 The bar of `&exact bar_mode`, held at one end, L = 25 m, E = 100 Pa, rho = 1 kg/m3, u' = v0 sin(pi X/2L) cos(w t).
 At w t = 0.3 pi the stored energy is E L/4 (a pi/2L sin(w t))^2 with a = v0/w: second order. The outermost particle
-lies h/4 inside of the end, at L - h/4 + a sin(w t): first order. With made-up numbers f = f0 + c h^p order and limit
-have to come back to round-off for any ratio of the cells.
+lies h/4 inside of the end, at L - h/4 + a sin(w t): first order. For artificial numbers f = f0 + c h^p, order and limit
+must be recovered to round-off for any ratio of the cells.
 """
 
 import csv
@@ -40,7 +40,7 @@ FRONT = 25.0 + STRETCH * math.sin(1.5 * TURN)
 
 
 def tool(options, *words):
-    """Exit code, what it prints, what it complains of."""
+    """Exit code, output, and errors."""
     answer = subprocess.run([sys.executable, "-m", "scree_post", "accuracy", *map(str, words),
                              "--scree", options.scree, "--work", options.work / "runs"], cwd=options.work,
                             env={**case.os.environ, "OMP_NUM_THREADS": "1",
@@ -58,7 +58,7 @@ def table(path):
 
 
 def test_numbers(sheet):
-    """Made-up numbers."""
+    """Artificial numbers."""
     for order in (0.7, 1.0, 2.0, 2.4):
         for sizes in ((2.0, 1.4, 1.0), (4.0, 2.0, 1.0), (3.0, 2.7, 0.9)):
             verdict = scree_accuracy.judge(sizes, [5.0 - 0.3 * size ** order for size in sizes])
@@ -106,13 +106,13 @@ def test_bar(options, sheet):
 
 
 def test_forecast(options, sheet):
-    """The cells that a tolerance is said to need keep it."""
+    """With the predicted cell size the error is within the tolerance."""
     deck = bar_deck(options)
     _, text, _ = tool(options, deck, "--quantity", "internal", "--factors", "4,2,1", "--tolerance", "0.03%",
                       "--csv", "coarse.csv")
     sheet.require("0.03% needs cells of about" in text, f"a forecast: {text}")
     size = float(text.split("needs cells of about ")[1].split()[0])
-    cells = 6 * math.ceil(5.0 / size)      # so that the bar ends where a cell does
+    cells = 6 * math.ceil(5.0 / size)      # so that the end of the bar is a cell face
     run = case.Case(options, "foretold", DECK.format(size=f"cells={cells},1,1")).run("-q")
     sheet.below("error of the foretold cells over the tolerance", abs(run.history["internal"][-1] / ENERGY - 1.0)
                 / 3.0e-4, 1.0)
@@ -120,7 +120,7 @@ def test_forecast(options, sheet):
 
 
 def test_other_words(options, sheet):
-    """Cells instead of dx, settings, greatest values and times."""
+    """`cells` instead of `dx`, settings, greatest values and times."""
     deck = options.work / "cells.nml"
     deck.write_text(DECK.format(size="cells=60,1,1"), encoding="ascii")
     code, text, _ = tool(options, deck, "--quantity", "internal:at=1.2", "kinetic:max", "exact.velocity_error",
@@ -135,7 +135,7 @@ def test_other_words(options, sheet):
 
 
 def test_complaints(options, sheet):
-    """What cannot be done is told."""
+    """Requests that are not possible are reported."""
     deck = bar_deck(options)
     for words, code, told in (
             (("--quantity", "heat"), 2, "there is no quantity 'heat'. There are columns of the history: dt, mass"),

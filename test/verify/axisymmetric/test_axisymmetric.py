@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A cylinder in a tube hits a wall: the axisymmetric run must be the one-dimensional one.
+"""A cylinder in a tube hits a wall: the axisymmetric run must agree with the one-dimensional one.
 
-Would catch: a wrong hoop strain or hoop force, volumes or masses that do not go with the radius,
-node volumes of the dual gradient without the radius, an axis that lets matter through.
+Would catch: a wrong hoop strain or hoop force, volumes or masses that are not proportional to the radius, node volumes
+of the dual gradient without the radius, an axis through which material passes.
 
 Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding. In the dual domain
-method the node stress at the axis is a sum over points divided by the exact volume of the node; two points a cell
-give a sum 12.5 % too large there (0.1875 for 1/6), so that the axis moves a little otherwise; a smooth blend doubles
-that, so it is not the default round an axis, and the line takes the linear one for comparison. No difference may be
-greater than those 12.5 %, and only the matter of the cell at the axis may have it: (1/12)2 of the mass of the 12
-cells of the radius, so the root mean square (by mass) is at most 1/12 of 12.5 %, 1 %. Also: mass of a sphere.
-Particles whose centres lie inside are counted, and as many are wrong as chance makes it for those at the surface:
+method the node stress at the axis is a sum over points divided by the exact volume of the node; with two points per
+cell this sum is 12.5 % too large (0.1875 for 1/6), so that material at the axis moves a little differently. A smooth
+blend doubles that, so it is not the default in axisymmetry, and the 1-D run uses the linear one for comparison. No
+difference may be greater than those 12.5 %, and only material of the cell at the axis may have it: (1/12)2 of the mass
+of the 12 cells of the radius, so the root mean square (by mass) is at most 1/12 of 12.5 %, 1 %. Also: mass of a sphere.
+Particles whose centres are inside are counted, and the error is the random one of particles at the surface:
 (d/R)**(3/2) for particles of a width d.
 """
 # tiers: smoke, full
@@ -66,7 +66,7 @@ def last(run):
     ("ddmp", 0.125, 0.125 / 12.0, "blend='linear'"),
 ])
 def test_compare(options, sheet, method, greatest, usual, words):
-    """Tube against line, particle by particle; limits of the worst one and the rms."""
+    """Tube against 1-D run, particle by particle; limits of the greatest difference and of the rms."""
     line = last(case.Case(options, f"line_{method}", LINE.format(method=method, words=words)).run("-q"))
     run = case.Case(options, f"tube_{method}", TUBE.format(method=method, words=words)).run("-q")
     tube = last(run)
@@ -79,7 +79,7 @@ def test_compare(options, sheet, method, greatest, usual, words):
     weight = tube.fields["mass"][rows] / tube.fields["mass"].sum()
 
     def across(values):
-        """Values of the line in the order of the rows of the tube."""
+        """Values of the 1-D run in the order of the rows of the tube."""
         return values[order][:, None]
 
     difference = {

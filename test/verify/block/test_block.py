@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A block on a slope with Coulomb's friction: it slides with g (sin - mu cos), or it stays.
+"""A block on a slope with Coulomb friction: it slides with g (sin - mu cos), or it sticks.
 
-Would catch: friction on nodes that a wall pulls at, which brakes a block that rocks twice; friction that stops more
-than there is; a pressure of the wall that counts the velocities of FLIP that particles never get; work of friction
-that is not booked; a wall that holds what bounces.
+Would catch: friction on nodes that move away from the wall, which decelerates a rocking block twice; friction that
+stops more than the relative motion; a wall pressure from FLIP velocities that particles never get; friction work that
+is not recorded; a wall that holds a block that bounces.
 
-24 degrees and mu = tan 15 degrees, as in larger codes: the way within 1e-3 in 5 s, the speed within 1e-3. In 1 s
-with finer cells and with the plain method 1 %. At 14 degrees the block may slip while it bounces from its start
-without stress, for 0.1 s, and then stays.
+24 degrees and mu = tan 15 degrees, as in tests of other codes: distance within 1e-3 in 5 s, speed within 1e-3. In 1 s
+with finer cells and with the plain method 1 %. At 14 degrees the block may slip for 0.1 s while it bounces from its
+start without stress, and then sticks.
 """
 
 import numpy as np

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A soft beam, clamped at one end, falls under its own weight and swings.
+"""A soft beam, clamped at one end, falls under its own weight and oscillates.
 
-Would catch: bending that cells lock or soften, a clamp that gives, large rotations with the wrong stress,
-corners of particles in the wrong places.
+Would catch: bending that is too stiff (locking) or too soft, a clamp that moves, large rotations with the wrong stress,
+corners of particles in the wrong positions.
 
 A. Sadeghirad, R. M. Brannon, J. Burghardt, Int. J. Numer. Methods Eng. 86 (2011) 1435: 4 x 1 m, Neo and Hooke,
 E = 1 MPa, nu = 0.3, rho = 1050 kg/m3, g = 10 m/s2, plane strain, cells of 0.25 m, 3 x 3 particles. Finite
 elements give for the lower corner of the tip a first minimum of -3.27 m (-3.28 by others) at 1.03 to
 1.06 s. There is no closed solution, and so no rate. The corner is extrapolated from the three particles
-beside it. What follows the minimum is not compared: the tip then swings to the left and shares nodes with the
-wall that clamps the beam, which reaches up and down here and does not in the finite elements.
+beside it. The motion after the minimum is not compared: the tip then swings to the left and shares nodes with the wall
+that clamps the beam, which extends above and below the beam here but not in the finite elements.
 
-Limits: deflection 1.5 %, time 5 %, as references differ by; energy in the books 3 % of the work of gravity: w dt/2 =
-0.4 % is that of the half step between velocities and stresses, the rest a target. The plain method misses the last: a
-known miss, held at twice the target.
+Limits: deflection 1.5 % and time 5 %, the differences between references; error of the energy balance 3 % of the work
+of gravity: w dt/2 = 0.4 % is that of the half step between velocities and stresses, the rest is a target. The plain
+method misses the last: a known miss, held at twice the target.
 """
 
 import pytest

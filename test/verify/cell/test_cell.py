@@ -4,20 +4,21 @@
 """A scene in a periodic cell that deforms, against closed solutions.
 
 Would catch: a stress that is not pulled back to the mesh or a force that is not pushed forward, a velocity gradient
-without that of the cell or in the wrong configuration, particles that go where the mesh is no more after edges were
-replaced, or are shown on the mesh, the term -L u with the wrong sign or order, a work of the cell that the balance
-lacks, a servo that holds another stress than the mean of the particles.
+without that of the cell or in the wrong configuration, particles with positions on the previous mesh after edges were
+replaced, or written with mesh coordinates, the term -L u with the wrong sign or order, work of the cell that the
+balance lacks, a servo that holds another stress than the mean of the particles.
 
-* Relaxing contacts in simple shear (J. Rheol. 41 (1997) 1275): each step of the law is exact in simple shear, so is the
-  sum of the cell, and the flow is uniform. The stress is right to round-off at all times while the cell flips six
-  times; limit 1e-10 of G.
+* Relaxing contacts in simple shear (J. Rheol. 41 (1997) 1275): each step of the law is exact in simple shear, the flow
+  is uniform, and so the mean stress of the cell is exact. It is correct to round-off at all times while edges of the
+  cell are replaced six times; limit 1e-10 of G.
 * A wave in a viscous fluid, u_y = A cos(k.r) with k = F^-T k0: A = A0 exp(-nu k0^2 (t + g^2 t^3/3)) for any amplitude.
-  Of second order in the cells, through a flip in the middle. Velocities are half a step behind.
-* Compression and shear: density is that of the cell, and the pressure that of the law, of third order in the step.
+  Errors are of second order in the cells, with a replacement of edges in the middle. Velocities are half a step behind.
+* Compression and shear: the density is that of the cell, and the pressure that of the law, with an error of third order
+  in the step.
 * Start, reversal and stop of the same law, stage by stage, and `--point`: round-off.
 * A servo: in steady shear of relaxing contacts its error goes to 0.
-* Friction of mu(I): that of its formula, from a flow with waves, whatever the cell does.
-* Balance: exact to round-off with internal energy, of second order in the step in elastic material.
+* Friction of mu(I): that of its formula, starting from a flow with waves, for any motion of the cell.
+* Balance: exact to round-off with internal energy; in elastic material its error is of second order in the step.
 """
 
 import numpy as np
@@ -51,7 +52,7 @@ def test_shear(options, sheet, dimension):
 
 @pytest.mark.tiers("full", "long")
 def test_path(options, sheet):
-    """Start, reversal and stop: the stress z = (s_xx - s_zz)/2 + i s_xz obeys z' = -(1/tau + i g) z + i G g."""
+    """Start, reversal and stop: the stress z = (s_xx - s_zz)/2 + i s_xz satisfies z' = -(1/tau + i g) z + i G g."""
     time, modulus = 0.7, 3.0
     rates, ends = (2.0, -3.0, 0.0), (1.2, 2.1, 2.5)
     stages = "\n".join(f"&stage  rate=0,0,0,0,{rate},0  duration={end - begin!r} /"
@@ -73,7 +74,7 @@ def test_path(options, sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_point(options, sheet):
-    """The law in the cell and by --point, to the same strain."""
+    """The law in the cell and with --point, to the same strain."""
     deck = cells.granular(0.7, dimension="3d")
     found = cells.run(options, "cell", deck)
     deck += "&point  path='shear'  rate=2  strain=6  steps=100 /\n"
@@ -121,7 +122,7 @@ def test_compress(options, sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_hold(options, sheet):
-    """A servo that holds a normal stress in steady shear, of contacts that all lose their load in a strain."""
+    """A servo that holds a normal stress in steady shear; the contacts lose their load within a given strain."""
     found = cells.run(options, "held", cells.scene(
         "density=1  bulk=500  shear=100  strength_model='granular'  gr_gamma_c=0.3",
         "&stage  servo='xz'  duration=2  pressure=20 /\n&stage  servo='z'  rate=0,0,0,0,0.5,0  strain=4  pressure=20 /",
@@ -134,7 +135,8 @@ def test_hold(options, sheet):
 
 @pytest.mark.tiers("full", "long")
 def test_friction(options, sheet):
-    """The law of mu(I) at a held pressure from a flow with waves: its friction at the pressure of all three axes."""
+    """The law mu(I) at a controlled pressure from a flow with waves: its friction at the mean pressure of all three
+    axes."""
     waves = "velocity_formula='0.05*sin(2*pi*z)+0.03*cos(4*pi*x)','0','0.04*cos(2*pi*x)'"
     found = cells.run(options, "friction", cells.scene(
         "density=1500  bulk=1e6  shear=5e5  strength_model='mu_i'  mu_s=0.38  mu_2=0.64  mu_i0=0.28  "
@@ -143,7 +145,7 @@ def test_friction(options, sheet):
         "&stage  servo='z'  rate=0,0,0,0,4,0  strain=8  pressure=1e3 /", 2.5, body=waves, every=50))
     pressure = -(found["stress_xx"] + found["stress_yy"] + found["stress_zz"])[-1] / 3.0
     number = 4.0 * 0.02 * np.sqrt(2500.0 / pressure)
-    # what is left of the waves is 0.1 % of the kinetic energy at first
+    # the remaining waves have 0.1 % of the initial kinetic energy
     sheet.near("mu(I): friction", found["stress_xz"][-1] / pressure, 0.38 + 0.26 / (1.0 + 0.28 / number), 1.0e-3)
     sheet.near("mu(I): held pressure [Pa]", -found["stress_zz"][-1], 1000.0, 5.0e-3)
 
@@ -157,7 +159,7 @@ def test_balance(options, sheet):
         body="specific_energy=2.5e3  velocity_formula='sin(2*pi*z)','0','sin(2*pi*x)'"))
     sheet.above("gas: work of the cell [J]", found["external_work"][-1], 300.0)
     sheet.below("gas: balance of energy", np.abs(found["energy_error"]).max(), 1.0e-13)
-    # a disc with free surfaces that the cell presses together
+    # a disc with free surfaces that the cell compresses
     deck = cells.scene(
         "density=1000  eos_model='mie_gruneisen'  mg_c0=10  mg_s=1.5  mg_gamma=1  shear=4e4",
         "&stage  rate=-0.1,0,-0.1,0,0,0  duration=1 /\n&stage  rate=0,0,0,0,0.5,0  strain=1 /", 3.0, dx=0.05, every=50,

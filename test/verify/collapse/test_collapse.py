@@ -1,27 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Columns of sand that collapse: how far, how high and how fast, against experiments.
+"""Collapsing columns of sand: run-out, height and time, against experiments.
 
-Would catch: friction that depends on the grid or on the direction, matter that comes apart and keeps its pressure
-or never gets it back, a base that grips nothing or holds what is above it, hoop stresses that are missing round the
-axis, a front that is pushed ahead by almost empty cells; in tall columns energy that the fall or the impact on the base
-loses or makes, a softness of the grains that matters, free fall that is held back.
+Would catch: friction that depends on the grid or on the direction, material that separates and keeps its pressure or
+never recovers it, a base without friction or one that holds material that should slide, missing hoop stresses in
+axisymmetry, a front that almost empty cells push ahead; in tall columns energy lost or created in the fall or in the
+impact on the base, an influence of the stiffness of the grains, a retarded free fall.
 
-G. Lube and others, J. Fluid Mech. 508 (2004) 175 (round): the run-out over the radius is 1.24 a to a = 1.7, then 1.6
-a^(1/2), the height 0.88 a^(1/6), for all grains and bases; Phys. Rev. E 72 (2005) 041301 (plane): over the half width
-1.2 a to a = 2, then 1.9 a^(2/3). It is reached after 3.0 and 3.3 times sqrt(H/g). E. Lajeunesse, J. B. Monnier, G. M.
-Homsy, Phys. Fluids 17 (2005) 103302: plane deposits are as high as the column, for a > 1 a^(1/3). Measured prefactors
-scatter by 15 %, the limit of run-outs and heights; exponents within 0.1 below the change and 0.07 above.
+G. Lube and others, J. Fluid Mech. 508 (2004) 175 (axisymmetric): the run-out over the radius is 1.24 a to a = 1.7, then
+1.6 a^(1/2), the height 0.88 a^(1/6), for all grains and bases; Phys. Rev. E 72 (2005) 041301 (plane): over the half
+width 1.2 a to a = 2, then 1.9 a^(2/3). The final run-out is reached after 3.0 and 3.3 times sqrt(H/g). E. Lajeunesse,
+J. B. Monnier, G. M. Homsy, Phys. Fluids 17 (2005) 103302: plane deposits are as high as the column, for a > 1 a^(1/3).
+Measured prefactors scatter by 15 %, the limit of run-outs and heights; exponents must agree within 0.1 below the change
+of regime and 0.07 above.
 
-The coefficient of friction, tan 33.2 degrees, was chosen within the 30 to 35 degrees at which dry sand rests, and sets
-the prefactors of the run-outs: these are a fit, the exponents, heights and times are not. So the range is held as well
-(tier long): sand of 35 degrees must run less far than sand of 30 degrees, and what was measured must lie between them,
-with the scatter. It does: 0.93 and 1.36 of the measured run-out for a = 1, where the angle chosen has 1.12.
+The coefficient of friction, tan 33.2 degrees, was chosen within the angles of repose of dry sand, 30 to 35 degrees, and
+determines the prefactors of the run-outs: these are a fit, while exponents, heights and times are not. So the range is
+tested as well (tier long): sand of 35 degrees must spread less than sand of 30 degrees, and the measured values must be
+between both, with the scatter. They are: 0.93 and 1.36 of the measured run-out for a = 1, where the chosen angle has
+1.12.
 
-The time, at which the front has gone 97 % of its way, has a target of 10 %. Fronts stop by their thickness while single
-particles still run on, so they are early: known misses, held at twice the target for low columns and at a half for
-tall ones. The tallest round deposits are too low: known misses, held at a half.
+The time at which the front has completed 97 % of its run-out has a target of 10 %. Fronts are defined by a thickness
+and stop while single particles still move, so they are early: known misses, held at twice the target for low columns
+and at a half for tall ones. The tallest axisymmetric deposits are too low: known misses, held at a half.
 
-Tier full: low columns. Tier long: half to sixteen times as high as half of them is wide.
+Tier full: low columns. Tier long: heights of half to sixteen times the half width.
 """
 # tiers: full, long
 # timeout long: 3600
@@ -35,7 +37,8 @@ import measured
 SCATTER, LATE = 0.15, 0.1              # of measured prefactors; target of the time
 IN_TIME = {("plane", 2.0), ("plane", 16.0), ("round", 0.5)}
 TOO_LOW = {("round", 8.0), ("round", 16.0)}
-# angles of Drucker and Prager's cone of plane strain whose coefficient in simple shear is tan 30 and tan 35 degrees
+# angles of the Drucker-Prager cone of plane strain whose friction coefficient in simple shear is tan 30 and tan 35
+# degrees
 SANDS = {30: 37.76, 35: 49.96}
 LOW = {"plane": (0.5, 1.0, 2.0), "round": (0.5, 1.0, 1.5)}
 TALL = {"plane": (4.0, 8.0, 16.0), "round": (2.0, 4.0, 8.0, 16.0)}
@@ -43,7 +46,7 @@ STEEP = {"plane": 2.0 / 3.0, "round": 0.5}
 
 
 def judge(sheet, name, label, value, exact, target, limit, missed):
-    """A value against a measured one, within its target or known to miss it."""
+    """A value against a measured one, within its target or as a known miss."""
     if missed:
         sheet.known(f"{name}: {label}, error", float(value / exact - 1.0), limit=limit, target=target)
     else:
@@ -79,7 +82,7 @@ def exponent(aspects, runs, chosen):
 
 @pytest.mark.tiers("smoke", "long")
 def test_range_of_sand(options, sheet):
-    """What was measured lies between sands that rest at 30 and at 35 degrees."""
+    """Measured values are between those of sands with angles of repose of 30 and 35 degrees."""
     steep, flat = (flows.collapse(options, f"sand_{angle}", aspect=1.0, cells=16, ends=1.3, law=flows.SAND.replace(
         "friction_angle=45", f"friction_angle={cone}"))["runout"] for angle, cone in SANDS.items())
     measured = flows.measured_runout(1.0)
@@ -90,7 +93,7 @@ def test_range_of_sand(options, sheet):
 
 @pytest.mark.tiers("full")
 def test_low_columns(options, sheet):
-    """What the tier full has time for."""
+    """The columns for the tier full."""
     options.timeout = 600
     runs = study(options, sheet, "plane", LOW["plane"], "_short", ends=1.3)
     sheet.near("plane: exponent", exponent(LOW["plane"], runs, LOW["plane"]), 1.0, 0.1)

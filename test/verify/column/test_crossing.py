@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A soft column on a wall feels gravity from one moment to the next and is pressed together by a fifth.
+"""A soft column on a wall is compressed by a fifth under suddenly applied gravity.
 
-Would catch: the noise of particles that cross cells, which grows with each cell crossed; a stress that does
-not belong to the stretch; a wall that leaks when cells beside it fill and empty.
+Would catch: cell-crossing noise, which grows with each crossing; a stress that does not agree with the stretch; a wall
+that loses momentum when cells beside it become filled and empty.
 
-L = 10 m, E = 1 MPa, nu = 0, rho = 1000 kg/m3, g = 10 m/s2 along x, Neo and Hooke: the static strain at the
-foot is 0.1, the dynamic one twice that. After 1.8 s, one and a half periods, the column is short for the
-second time and its top has moved by 0.96 m. The reference is the chain of 1000 finite elements in
-test/support/bodies.py: P = E (F - 1/F)/2 on the material. It is held against d'Alembert here: for small
-gravity the mean velocity is -g t + g c t2/(2 L) until 2 L/c.
+L = 10 m, E = 1 MPa, nu = 0, rho = 1000 kg/m3, g = 10 m/s2 along x, neo-Hookean: the static strain at the foot is 0.1,
+the dynamic one twice that. After 1.8 s, one and a half periods, the column is short for the second time and its top has
+moved by 0.96 m. The reference is the bar of 1000 finite elements in test/support/bodies.py: P = E (F - 1/F)/2 in
+material coordinates. It is verified here against d'Alembert's solution: for small gravity the mean velocity is -g t + g
+c t2/(2 L) until 2 L/c.
 
 Limits for 40 cells with four particles each. Stress (root mean square): the weight of one cell over that on the
 foot, h/L = 2.5 %, as the stress of a particle may be that of its neighbour. Mean velocity: target 1 %. Displacement:
-a hundredth of a cell. Rates: the stress has kinks, so it is of first order and the displacement of order 1.5 at best;
-0.8 and 1.2. GIMP and quadratic splines, whose noise of crossing does not fall with the cells, miss the limit of the
-stress: known misses, held at a tenth of the weight. The plain method is the control: its stress must be off by more
-than that tenth, or nothing crosses.
+a hundredth of a cell. Orders: the stress has kinks, so it is of first order and the displacement of order 1.5 at best;
+0.8 and 1.2. GIMP and quadratic splines, whose cell-crossing noise does not decrease with the cell size, miss the limit
+of the stress: known misses, held at a tenth of the weight. The plain method is the control: the error of its stress
+must exceed that tenth; otherwise no particle crosses cells.
 """
 # tiers: smoke, full
 
@@ -32,7 +32,7 @@ OTHERS = {"mpm": ("mpm", ""), "gimp": ("mpm", "basis='gimp'"), "quadratic": ("mp
 
 
 def fall(options, name, *words, cells=40):
-    """One column, shown."""
+    """One column; prints its errors."""
     result = bodies.column(options, name, *words, cells=cells)
     measured.show(name, {key: result[key] for key in ("displacement", "stress", "velocity", "crossed")})
     return result
@@ -51,7 +51,7 @@ def judge(sheet, name, result):
 
 
 def test_crossing(options, sheet):
-    """Three grids with the default, others beside them."""
+    """Three grids with the default, and other methods."""
     small = bodies.chain(10.0, 1.0e6, 1000.0, 0.6, gravity=0.001, elements=200)
     speed = np.sqrt(1.0e6 / 1000.0)
     right = -0.001 * small["time"] + 0.001 * speed * small["time"] ** 2 / 20.0

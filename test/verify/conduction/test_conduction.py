@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Heat conduction on the grid: a wave that fades, two bodies in contact, the time step, the books.
+"""Heat conduction on the grid: a decaying wave, two bodies in contact, the time step, the balances.
 
 Would catch: a flux with another gradient than its divergence, a heat capacity or conductivity that
-is not that of the particle, heat lost at a face, at the end of a tile or between materials, a step
-beyond the stable one, temperatures that nodes do not see and that stay for ever, a material without
-a conductivity that is warmed, and any cost where no conductivity is given.
+is not that of the particle, heat lost at a boundary, at the edge of a tile or between materials, a step beyond the
+stable one, temperature differences that nodes do not resolve and that do not decay, a material without a conductivity
+that is heated, and any cost where no conductivity is given.
 
-Closed solutions: cos(2 pi x) in an insulated slab fades as exp(-4 a pi**2 t), J0(w r) in
-an insulated cylinder as exp(-a w**2 t); two half spaces in contact
-have the temperature (e1 T1 + e2 T2)/(e1 + e2) where they touch, e = sqrt(k rho c), with error
-functions beside it (H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids, 1959, 2.15).
+Closed solutions: cos(2 pi x) in an insulated slab decays as exp(-4 a pi**2 t), J0(w r) in an insulated cylinder as
+exp(-a w**2 t); two half spaces in contact have the temperature (e1 T1 + e2 T2)/(e1 + e2) at the interface, e = sqrt(k
+rho c), with error functions on both sides (H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids, 1959, 2.15).
 """
 # timeout: 120
 
@@ -20,7 +19,7 @@ import numpy as np
 import case
 import measured
 
-# soft matter, so that sound does not limit the step much
+# soft material, so that sound does not limit the step much
 DENSITY, HEAT, BULK = 1000.0, 500.0, 1000.0
 MEAN, WAVE = 400.0, 100.0
 METHODS = {
@@ -53,14 +52,14 @@ BODY = """
 
 
 def material(name, conductivity, density=DENSITY, heat=HEAT):
-    """A material; none flows with conductivity None."""
+    """A material; with conductivity None it does not conduct heat."""
     more = "" if conductivity is None else f"conductivity={conductivity!r}"
     # the same speed of sound for all
     return MATERIAL.format(name=name, density=density, bulk=BULK * density / DENSITY, heat=heat, more=more)
 
 
 def slab(cells, axis, method, words, diffusivity, end, dimension):
-    """A slab of one cell thickness along an axis, every particle a body of its own temperature."""
+    """A slab with a thickness of one cell along an axis; every particle is a body with its own temperature."""
     spacing = 1.0 / cells
     size = [1.0 if place == axis else spacing * (place == 0 or dimension != "1d") or 1.0 for place in range(3)]
     text = HEAD.format(dimension=dimension, method=method, words=words, spacing=spacing, end=end,
@@ -82,7 +81,7 @@ def heat_of(snapshot, capacity=HEAT):
 
 
 def test_fading(options, sheet):
-    """The wave on finer and finer grids, for methods with other gradients."""
+    """The wave on successively finer grids, for methods with different gradients."""
     diffusivity, end = 0.1, 0.125
     for name, (method, words) in METHODS.items():
         errors = []
@@ -107,7 +106,7 @@ def test_fading(options, sheet):
 
 
 def test_other_axes(options, sheet):
-    """The same slab along y and z: the same numbers, so no component of the flux is another's."""
+    """The same slab along y and z: the same numbers, so no component of the flux is exchanged with another."""
     for name in ("ddmp", "mpm"):
         method, words = METHODS[name]
         result = []
@@ -127,7 +126,7 @@ def bessel(x):
 
 
 def test_cylinder(options, sheet):
-    """A wave of an insulated cylinder: J0(w r) fades as exp(-a w**2 t), w the first zero of J1."""
+    """A wave in an insulated cylinder: J0(w r) decays as exp(-a w**2 t), w the first zero of J1."""
     wave, diffusivity, end = 3.8317059702075123, 0.1, 0.3
     for name in ("ddmp", "mpm"):
         method, words = METHODS[name]
@@ -191,7 +190,7 @@ def test_halves(options, sheet):
 
 
 def test_longest_step(options, sheet):
-    """Random temperatures at the greatest step: they only come closer. The cause is named."""
+    """Random temperatures at the greatest step: their differences only decrease. The limit of the step is named."""
     cells, diffusivity = 8, 100.0
     spacing = 1.0 / cells
     step = spacing ** 2 / (4.0 * diffusivity)
@@ -239,7 +238,7 @@ DISCS = """
 
 
 def test_collision(options, sheet):
-    """Discs that collide: the energy is whole, and heat of matter without an energy is booked."""
+    """Discs that collide: the energy is conserved, and heat of material without an internal energy is recorded."""
     energy = "eos_model='mie_gruneisen'  mg_c0=2000  mg_s=1.5  mg_gamma=1.5  shear=1.0e9"
     bare = "eos_model='linear'  young=5.0e9  poisson=0.3"
     for name in METHODS:
@@ -254,7 +253,7 @@ def test_collision(options, sheet):
         sheet.below(f"{name}: the hot disc cools [K]", hot[0], hot[1] - 10.0)
         mixed = case.Case(options, f"discs_{name}_bare", DISCS.format(
             first="conductivity=5.0e7", second=f"conductivity=1.0e8 {bare}", **words)).run("-q")
-        # elastic matter without a Grueneisen number changes its temperature by conduction only
+        # elastic material without a Grueneisen number changes its temperature by conduction only
         last = mixed.snapshots()[-1][1]
         other = last.fields["body"] == last.fields["body"].max()
         heat = math.fsum((last.fields["mass"] * 800.0 * (last.fields["temperature"] - 600.0))[other])

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Faces that are held at a temperature: a slab between a hot and a cold one, and the heat that they give.
+"""Boundaries with a prescribed temperature: a slab between a hot and a cold one, and the heat that they exchange.
 
-Would catch: a face that holds the particles beside it instead of the nodes on it, which shifts it by part of a cell; a
-flux through such a face that is cut off as through an insulated one; heat that comes in and is not booked, or booked by
-each tile that sees the face; a face that holds its neighbours too.
+Would catch: a boundary that prescribes the temperature of the particles beside it instead of the nodes on it, which
+shifts it by part of a cell; a flux through such a boundary that is set to zero as on an insulated one; heat that enters
+and is not recorded, or is recorded by each tile at the boundary; a boundary that also acts on its neighbours.
 
-A slab at 400 K between 500 K and 300 K tends to a straight line; the way there is the sum over even n of
+A slab at 400 K between 500 K and 300 K tends to a linear profile; the difference from it is the sum over even n of
 -400/(n pi) sin(n pi x) exp(-a (n pi)^2 t) (H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids, 1959, 3.4).
 """
 
@@ -44,7 +44,7 @@ def exact(place, time):
 
 
 def test_held_faces(options, sheet):
-    """Finer and finer slabs at two times, and the books in one and three dimensions."""
+    """Successively finer slabs at two times, and the balances in one and three dimensions."""
     for name, (method, words) in test_conduction.METHODS.items():
         errors = []
         for cells in (16, 32, 64):

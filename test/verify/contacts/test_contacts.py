@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Grains whose stress lives as long as their contacts: rate independence, and waves that fade.
+"""Grains whose stress relaxes as their contacts break: rate independence, and decaying waves.
 
-Would catch: a relaxation that takes the strain of another step or the time in place of the strain, a rate that
-counts the dilatation or half of the shear, a rotation of the stress that depends on the rate, relaxation at rest
-where there must be none; in a flow, grids or transfers with a time scale of their own.
+Would catch: a relaxation that uses the strain of another step, or the time in place of the strain, a rate that includes
+the dilatation or half of the shear, a rotation of the stress that depends on the rate, relaxation at rest where there
+must be none; in a flow, grids or transfers with a time scale of their own.
 
 D. Z. Zhang, R. M. Rauenzahn, J. Rheol. 41 (1997) 1275, with 1/tau = rate/gamma_c: the stress depends on the strain
 alone and is that of constant tau with W = rate tau = gamma_c (see test/verify/shear for the formula).
 One point at rates from 1e-3 to 1e4 /s: equal to 1e-12 of the shear modulus, and to the formula.
-A flow whose layers move from the start: the formula to 1e-12. Driven by its faces, at 2 and 20 /s with a hundredth
-of the density, so that the waves are the same too: the two are alike to 1e-5, as nothing damps what round-off
-begins, and the formula holds to 0.5 %. gamma_c = 0.3 there: with 0.7 the stress passes a peak, and the driven flow
-splits into bands, which the law allows (14 % off).
-A standing wave of shear, u'' + u'/tau + (c k)^2 u = 0, that swings 8 times slower than it relaxes or 2 times
-faster: speed and stress within 0.5 % at all times. At the end the stress that drives the grains is what relaxed
-while they moved.
+A flow whose layers have their velocities from the start: the formula to 1e-12. A flow driven by its boundaries, at 2
+and 20 /s with a hundredth of the density, so that the waves are the same too: both agree to 1e-5, since perturbations
+by round-off are not damped, and the formula is met within 0.5 %. There gamma_c = 0.3: with 0.7 the stress passes a
+peak, and the driven flow splits into shear bands, which the law allows (14 % difference). A standing shear wave, u'' +
+u'/tau + (c k)^2 u = 0, with a period 8 times longer than the relaxation, or 2 times shorter: speed and stress within
+0.5 % at all times. At the end the stress that drives the grains is the one that relaxed while they moved.
 """
 
 import numpy as np
@@ -30,7 +29,7 @@ POINT = """
 
 
 def test_points(options, sheet):
-    """One point at rates that are far apart."""
+    """One point at very different rates."""
     tables = {rate: test_point.drive(options, f"rate_{rate:g}", POINT.format(rate=rate))
               for rate in (1.0e-3, 1.0, 1.0e4)}
     usual = tables[1.0]
@@ -46,7 +45,7 @@ def test_points(options, sheet):
 
 
 def test_flow(options, sheet):
-    """Flows between two faces."""
+    """Flows between two boundaries."""
     started = bodies.shear(options, "started", started=True, density=0.1, survival=0.7)
     sheet.below("layers that move: shear stress", started["across"], 1.0e-12)
     sheet.below("layers that move: normal stress", started["along"], 1.0e-12)

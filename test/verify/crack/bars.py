@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Bars of concrete that are pulled until they break, for tests and figures.
 
-E = 30 GPa, strength 3 MPa, 2.7 MPa in one cell in the middle, where the crack opens, 100 J/m2. The bar of 0.4 m hangs
-at a wall of symmetry and is pulled by a wall of 0.01 m/s, 4 wave transits per mm/s of its speed.
+E = 30 GPa, strength 3 MPa, but 2.7 MPa in one cell in the middle, where the crack opens, 100 J/m2. The bar of 0.4 m is
+fixed at a symmetry plane and pulled by a wall at 0.01 m/s, 4 wave transits per mm/s of its speed.
 """
 
 import case
@@ -36,7 +36,7 @@ DECK = """
 def pull(options, name, cells=8, dimension="1d", ppc=2, poisson=0.0, speed=0.01, end=0.014, thick=0.1, **words):
     """One bar: energy of its crack per area, and the run.
 
-    `cells` along the bar; in planes and space it is `thick` [m] with a free cell around it.
+    `cells` along the bar; in planes and in 3-D it has the thickness `thick` [m] with a free cell around it.
     """
     h = LENGTH / cells
     moduli = f"young=30e9  poisson={poisson}"
@@ -55,7 +55,8 @@ def pull(options, name, cells=8, dimension="1d", ppc=2, poisson=0.0, speed=0.01,
 
 
 def load(result, speed=0.01):
-    """Displacement [m] of the end and load per area [Pa], by the work of the wall over bits of its way."""
+    """Displacement [m] of the end and load per area [Pa], from the work of the wall over small increments of the
+    displacement."""
     history = result["history"]
     way = history["time"] * speed
     gain = (history["external_work"][4:] - history["external_work"][:-4]) / (way[4:] - way[:-4])
@@ -63,7 +64,7 @@ def load(result, speed=0.01):
 
 
 def exact(way):
-    """Load per area of a bar whose crack follows the linear curve, by the displacement of its end."""
+    """Load per area of a bar whose crack follows the linear curve, as a function of the displacement of its end."""
     peak, last = WEAK * LENGTH / YOUNG, 2.0 * ENERGY / WEAK
     opening = (way - peak) / (1.0 - peak / last)
     return [YOUNG / LENGTH * x if x < peak else max(0.0, WEAK * (1.0 - o / last)) for x, o in zip(way, opening)]

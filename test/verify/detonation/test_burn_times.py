@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Times at which detonations arrive: straight from points, lines and planes, and around obstacles.
+"""Arrival times of detonations: straight from points, lines and planes, and around obstacles.
 
 Would catch: distances along the grid, a line without ends, the latest of several detonators, a speed of the wrong
 material, paths through metal or around it on the wrong side, bends beside a corner, and times that depend on ranks.
 
 Straight paths are exact, and so are those around a block whose corners are corners of cells: there the shortest path
-bends at the corners. Around a disc of metal it follows the tangents and the arc between them; its cells are stairs, and
-the path on them is shorter or longer by a part of a cell. Limits: rounding; around the disc half a cell. There the mean
-error is at most 0.6 a doubling of the resolution (order 1).
+bends at the corners. Around a disc of metal it follows the tangents and the arc between them; its boundary consists of
+cell faces, so that the path is shorter or longer by a fraction of a cell. Limits: rounding; around the disc half a
+cell. There each doubling of the resolution must reduce the mean error to at most 0.6 of it (order 1).
 """
 # tiers: smoke, full
 
@@ -40,7 +40,7 @@ SOURCE = np.array([0.01, 0.02])
 
 
 def times(options, name, obstacle, detonation, spacing=0.002, **how):
-    """Places (x, z) of the explosive and its burn times."""
+    """Positions (x, z) of the explosive and its burn times."""
     deck = DECK.format(obstacle=obstacle, detonation=detonation, spacing=spacing)
     run = case.Case(options, name, deck, **how).run("-q")
     _, first = run.snapshots()[0]
@@ -54,14 +54,15 @@ def distance(one, other):
 
 
 def passes_block(place):
-    """True where the line from the source to a place misses the inside of the block."""
+    """True where the line from the source to a position does not cross the block."""
     slope = (place[:, 1] - SOURCE[1]) / np.where(place[:, 0] > 0.04, place[:, 0] - SOURCE[0], np.inf)
     heights = [SOURCE[1] + slope * (np.minimum(x, place[:, 0]) - SOURCE[0]) for x in (0.04, 0.06)]
     return (place[:, 0] <= 0.04) | (np.minimum(*heights) >= 0.07 - 1.0e-12)
 
 
 def around_block(place):
-    """Shortest way over the block; what is beyond it sees the second corner, what is above it the first."""
+    """Shortest path over the block; positions beyond it are reached from the second corner, positions above it from the
+    first."""
     first = distance(SOURCE, CORNERS[0])
     over = first + np.where(place[:, 1] >= 0.07, distance(CORNERS[0], place),
                             distance(*CORNERS) + distance(CORNERS[1], place))
@@ -69,7 +70,7 @@ def around_block(place):
 
 
 def around_disc(place, centre=np.array([0.05, 0.05]), radius=0.02):
-    """Shortest way around the disc: straight, or two tangents and the arc between them."""
+    """Shortest path around the disc: straight, or two tangents and the arc between them."""
     to_source, to_place = SOURCE - centre, place - centre
     near, far = np.hypot(*to_source), np.hypot(to_place[:, 0], to_place[:, 1])
     angle = np.arccos(np.clip(to_place @ to_source / (near * far), -1.0, 1.0))

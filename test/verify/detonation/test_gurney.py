@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Metal driven by composition B: a plate on an open charge, and a tube that a charge fills.
+"""Metal driven by composition B: a plate on an open charge, and a tube filled with a charge.
 
-Would catch: an explosive that does too little or too much work on what it drives, products that stop to push as they
-expand, mass of axisymmetric charges, and energy that the books lose between explosive and metal.
+Would catch: an explosive that does too little or too much work on the metal, products whose pressure vanishes as they
+expand, a wrong mass of axisymmetric charges, and energy lost between explosive and metal.
 
 R. W. Gurney (BRL report 405, 1943): products with a linear velocity and an energy sqrt(2E) = G give
     plate on an open charge  v = G/sqrt(((1 + 2 M/C)**3 + 1)/(6 (1 + M/C)) + M/C)
     tube                     v = G/sqrt(M/C + 1/2)
-G of composition B is 2.70 km/s in the handbook of Dobratz and Crawford and up to 2.80 in others. It is measured at an
-expansion of the products to 7 volumes (19 mm in the cylinder test of one inch); metal gains some per cent beyond it,
-which the formulas do not know. So velocities at 7 volumes are held to G = 2.70 km/s within 3 %, the spread of the
-formulas against experiments, and those at the end (11 to 15 volumes) must have grown, but to at most 3 % above the
-formula with 2.80. The plate: M/C = 1.14, 1356 m/s. The tube: copper of 2.6 mm around a charge of 25.4 mm, lit along its
-axis. Convergence: velocities of half the cell size differ by less than 1 %.
+    G of composition B is 2.70 km/s in the handbook of Dobratz and Crawford and up to 2.80 in others. It is measured
+    when the products have expanded to 7 volumes (19 mm in the cylinder test of one inch); later the metal gains some
+    per cent, which the formulas do not include. So velocities at 7 volumes are compared with G = 2.70 km/s within 3 %,
+    the spread of the formulas against experiments, and those at the end (11 to 15 volumes) must be higher, but at most
+    3 % above the formula with 2.80. The plate: M/C = 1.14, 1356 m/s. The tube: copper of 2.6 mm around a charge of 25.4
+    mm, ignited along its axis. Convergence: velocities with half the cell size differ by less than 1 %.
 """
 # tiers: smoke, full
 
@@ -60,12 +60,12 @@ MEASURED, HIGHEST = 2700.0, 2800.0
 
 
 def plate_factor(ratio):
-    """Velocity of a plate on an open charge over that of Gurney."""
+    """Velocity of a plate on an open charge over Gurney's velocity."""
     return (((1.0 + 2.0 * ratio) ** 3 + 1.0) / (6.0 * (1.0 + ratio)) + ratio) ** -0.5
 
 
 def tube_factor(ratio):
-    """Velocity of a tube over that of Gurney."""
+    """Velocity of a tube over Gurney's velocity."""
     return (ratio + 0.5) ** -0.5
 
 

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A plane detonation of TNT from a wall and the wave of G. I. Taylor behind it.
+"""A plane detonation of TNT that starts at a wall, and the wave of G. I. Taylor behind it.
 
-Would catch: a front that does not run at the speed of detonation, a burn that does not end in the Chapman-Jouguet
-state, products that do not expand along their isentrope, chemical energy that is lost or counted twice, burn times
-that depend on ranks or are lost by a restart.
+Would catch: a front that does not propagate at the detonation speed, a burn that does not end in the Chapman-Jouguet
+state, products that do not expand along their isentrope, chemical energy that is lost or counted twice, burn times that
+depend on ranks or are lost in a restart.
 
 The flow is self-similar in x/t (G. I. Taylor, Proc. R. Soc. A 200 (1950) 235); the reference of
-test/support/detonation.py is from the constants alone. The front is where the pressure first exceeds half of that of
-the Chapman-Jouguet state, its speed from two times. Errors are means over the tube of the difference to Taylor's wave.
+test/support/detonation.py uses the constants alone. The front is where the pressure first exceeds half of that of the
+Chapman-Jouguet state, its speed from two times. Errors are means over the tube of the difference from Taylor's wave.
 
 Limits: speed 0.1 %. Pressure of the products at rest behind the wave 0.5 %. Errors of pressure and velocity 3 % of the
-state behind the front with 200 cells and at most 0.65 of it a doubling, as the front is smeared over cells (order 1).
-Greatest pressure: 85 and 90 % of that of Chapman and Jouguet, never above it by more than 1 %: the wave falls with
-a slope of about one part in the length of the tube right behind the front of 2.5 cells. Energy: rounding.
+state behind the front with 200 cells, and at most 0.65 of it for each doubling, as the front is spread over cells
+(order 1). Greatest pressure: at least 85 and 90 % of the Chapman-Jouguet pressure, never above it by more than 1 %:
+directly behind the front of 2.5 cells the pressure decreases by about its own value over the length of the tube.
+Energy: rounding.
 """
 # tiers: smoke, full
 
@@ -40,7 +41,7 @@ SPEED = 6930.0  # detonation_speed of the preset
 
 
 def front(snapshot, pressure):
-    """Where the pressure passes half of a value, from the front inwards."""
+    """Position at which the pressure exceeds half of a value, searched from the front inwards."""
     order = np.argsort(snapshot.points[:, 0])
     place, found = snapshot.points[order, 0], snapshot.fields["pressure"][order]
     last = np.flatnonzero(found > 0.5 * pressure)[-1]
@@ -89,7 +90,7 @@ def test_update(options, sheet):
 
 
 def slowest(options):
-    """Least speed of the shocks of `--point`: that of the detonation by the constants."""
+    """Least shock speed in the output of `--point`: the detonation speed of the constants."""
     deck = """&effects  strength=.false. /
 &material  name='tnt'  preset='tnt' /
 &point  path='hugoniot'  speed=4000  steps=400 /

@@ -1,19 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Ductile pores, against the equations of Gurson (1977), Tvergaard (1981) and Tvergaard and Needleman (1984).
 
-Would catch: a yield surface, flow rule or growth of pores with a wrong factor or sign, pores that make or lose matrix,
-pressure of the whole where that of the matrix belongs, pores that close beyond zero or never open again, a lane whose
-bits depend on its neighbours, failure that does not come or is undone, books that flow breaks, wrong keys accepted.
+Would catch: a yield surface, flow rule or growth of pores with a wrong factor or sign, pores that change the volume of
+the matrix, the pressure of the whole where that of the matrix is needed, pores that close beyond zero or never open
+again, a lane whose bits depend on its neighbours, failure that does not occur or is reversed, balances that plastic
+flow violates, wrong keys accepted.
 
-* Drawn from all sides the mean stress is on the limit of Gurson, 2 Y/(3 q2) acosh((1 + (q1 f)^2)/(2 q1 f)): to 1e-9,
+* Under hydrostatic tension the mean stress is Gurson's limit, 2 Y/(3 q2) acosh((1 + (q1 f)^2)/(2 q1 f)): to 1e-9,
   and (1 - f)/(1 - f0) times the volume is that of the matrix at its pressure: to 1e-9.
-* Uniaxial strain with hardening, new and joining pores: a differential equation of the rates, by Runge and Kutta.
-  Implicit steps are of first order: error halved with half the steps, and 1e-3 with the most.
-* Without pores the law is that of von Mises: 1e-12, where roots are found to 1e-13.
-* Work of the stress along a path is stored elastically or is plastic work, to 1e-6 of it with 2000 steps; the onset of
-  flow within a step keeps it from second order, so the limit is first order.
-* Plates of metal that spalls: energy to rounding where particles carry it; without, the books of a shock are no worse
-  than those of von_mises in the same scene, by 1e-3 of the energy. Same bits for all layouts.
+* Uniaxial strain with hardening, nucleation and coalescence of pores: a differential equation of the rates, by a
+  Runge-Kutta method. Implicit steps are of first order: twice the steps halve the error, and the most steps give 1e-3.
+* Without pores the law is that of von Mises: 1e-12, since roots are found to 1e-13.
+* Work of the stress along a path is stored elastically or is plastic work, to 1e-6 of it with 2000 steps; because of
+  the onset of flow within a step the error is of first order, not of second.
+* Metal plates that spall: energy to rounding where particles carry it; without, the energy error of a shock is at most
+  that of von_mises in the same scene plus 1e-3 of the energy. The same bits for any ranks and threads.
 """
 # tiers: smoke, full
 # cores: 2
@@ -94,7 +95,7 @@ def limit(porosity, strength, q1, q2):
 
 
 def test_hydrostatic(options, sheet):
-    """Growth under tension from all sides, and closing under pressure."""
+    """Growth under hydrostatic tension, and closing under pressure."""
     for f0, q1, q2 in ((0.01, 1.5, 1.0), (1.0e-5, 1.25, 0.95), (0.2, 1.0, 1.0)):
         rows = point(options, f"pull_{f0:g}", f"{GURSON}  gtn_f0={f0}  gtn_q1={q1}  gtn_q2={q2}", "hydrostatic", 0.05,
                      2000)
@@ -129,7 +130,7 @@ class Rates:
 
     def __init__(self, f0, q1, q2, hardening, new, joining):
         self.f0, self.q1, self.q2, self.hardening, self.new, self.joining = f0, q1, q2, hardening, new, joining
-        self.joined = False            # told, so that all stages of a step have the same slope
+        self.joined = False            # a fixed value, so that all stages of a step use the same branch
 
     def weakening(self, f):
         """f* and its slope."""
@@ -152,7 +153,7 @@ class Rates:
         return value, p, to_q, to_p, to_f, to_y, strength
 
     def slopes(self, strain, state):
-        """Derivatives to the strain in flow."""
+        """Derivatives with respect to the strain during flow."""
         q, gained, f, plastic = state
         _, p, to_q, to_p, to_f, to_y, strength = self.surface(strain, state)
         matrix = (q * to_q + p * to_p) / ((1.0 - f) * strength)
@@ -168,7 +169,7 @@ class Rates:
         return np.array([2.0 * SHEAR - 3.0 * SHEAR * flow * to_q, flow * opening, flow * growth, flow * matrix])
 
     def step(self, strain, state, h):
-        """One step of Runge and Kutta."""
+        """One Runge-Kutta step."""
         a = self.slopes(strain, state)
         b = self.slopes(strain + 0.5 * h, state + 0.5 * h * a)
         c = self.slopes(strain + 0.5 * h, state + 0.5 * h * b)
@@ -176,7 +177,8 @@ class Rates:
         return state + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
 
     def run(self, end, steps=20000):
-        """State at a strain; flow begins where the surface is met. A step ends where voids join."""
+        """State at a strain; flow begins where the yield surface is reached. A step ends where pores begin to
+        coalesce."""
         low, high = 0.0, end
         for _ in range(200):
             middle = 0.5 * (low + high)
@@ -199,7 +201,7 @@ class Rates:
 
 
 def test_uniaxial(options, sheet):
-    """Uniaxial strain with all that the law has."""
+    """Uniaxial strain with all terms of the law."""
     words = (f"{GURSON}  hardening=5e8  gtn_f0=0.002  gtn_q1=1.4  gtn_q2=0.9  gtn_fn=0.02  gtn_en=0.1  gtn_sn=0.04"
              "  gtn_fc=0.03  gtn_ff=0.2")
     exact = Rates(0.002, 1.4, 0.9, 5.0e8, (0.02, 0.1, 0.04), (0.03, 0.2)).run(0.04)
@@ -222,7 +224,7 @@ def test_without_pores(options, sheet):
                                ("triaxial", 0.1, "confinement=1e8")):
         rows = [point(options, f"none_{law}_{path}", f"{ELASTIC}  strength_model='{law}'  yield={YIELD}  hardening=3e8",
                       path, strain, 200, more) for law in ("gurson", "von_mises")]
-        # the sides of triaxial are found to 1e-12 of the stiffness, 1e3 times the strength
+        # the lateral stress of `triaxial` is found to 1e-12 of the stiffness, which is 1e3 times the strength
         allowed = 1.0e-9 if path == "triaxial" else 1.0e-12
         worst = max(abs(rows[0][name] - rows[1][name]).max() / max(abs(rows[1][name]).max(), 1e-300)
                     for name in ("xx", "yy", "zz", "xy", "plastic_strain"))
@@ -265,14 +267,14 @@ def test_impact(options, sheet):
 
 
 def test_work(options, sheet):
-    """Work along uniaxial strain is stored, or heats as plastic work does."""
+    """Work along uniaxial strain is stored elastically, or is plastic work that heats."""
     errors = []
     for steps in (500, 1000, 2000):
         rows = point(options, f"work_{steps}", f"{GURSON}  hardening=5e8  gtn_f0=0.01  specific_heat=500",
                      "uniaxial_strain", 0.03, steps, effects="thermal=.true.")
         volume = 2700.0 / rows["density"]
         strain = rows["strain"]
-        # of the middle of a step, in which the volume of the gradient is that of the middle
+        # of the middle of a step, where the volume is that of the gradient in the middle
         done = np.sum(0.5 * (rows["xx"][1:] + rows["xx"][:-1]) * 0.5 * (volume[1:] + volume[:-1]) * np.diff(strain))
         flow = 2700.0 * 500.0 * (rows["temperature"][-1] - 293.0) / 0.9
         matrix = volume[-1] * (1.0 - rows["porosity"][-1]) / 0.99
@@ -286,7 +288,7 @@ def test_work(options, sheet):
 
 
 def test_faults(options, sheet):
-    """All in one pass."""
+    """All errors in one pass."""
     run = case.Case(options, "faults", FAULTS)
     run.run("--check", expect=2)
     for line in SAID:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs that follow an exact solution converge to it.
 
-Would catch: a body force at the wrong time or place, or given to the wrong columns of the nodes; an
-initial stress, volume or deformation gradient that does not belong to the initial motion; positions
-and stresses that do not move with the velocity in the middle of the step (the error is then of first
-order); columns of errors that compare with the wrong time; a body force that is not in the books.
+Would catch: a body force at the wrong time or position, or added to the wrong columns of the nodes; an initial stress,
+volume or deformation gradient that does not agree with the initial motion; positions and stresses that do not move with
+the velocity in the middle of the step (the error is then of first order); columns of errors that compare at the wrong
+time; work of the body force that is not recorded.
 
 With the defaults but without artificial viscosity, error of displacement at the end (root mean square) over the
 greatest displacement of the solution, error of velocity over its amplitude:
@@ -16,15 +16,16 @@ greatest displacement of the solution, error of velocity over its amplitude:
   bar    bar_mode, fixed and free, a quarter of a period: 8, 16, 32 cells
   disc   spinning_disc, a twentieth of a turn: 10, 20 cells a unit
 
-Limits of the finest runs. Line: the dispersion of ddmp in closed form (test/support/manufactured.py), which displaces
-by as much of the amplitude as it stresses; plane and cube: its bound where a body force holds the motion. Bar: the same
-lag makes an amplitude too large by kappa (k h)2 and a velocity late by that of its angle. Ring: target 2.5 %, of the
-greatest displacement and of the greatest speed, pi. Disc: the spin may be off by the target of test_spin.py, 1e-3
-a turn; cells at the rim are partly filled, and their missing stress makes waves of the velocity stress/(rho c).
-Ratios of errors: 3.5 for 4 where the error is of second order, 3.3 from 6 to 12 cells, 1.8 for 2 where free rims make
-it of first. The stress is held on the line only: elsewhere free ends or particles that cross cells make it of first
-order. The books of momentum close to round-off; those of energy and angular momentum as far as the time step goes,
-target 1 % and 2e-3: a body force that was not booked would leave an error of 1.
+Limits of the finest runs. Line: the dispersion of ddmp in closed form (test/support/manufactured.py), whose relative
+errors of displacement and stress are the same; plane and cube: its bound where a body force maintains the motion. Bar:
+the same phase lag makes an amplitude too large by kappa (k h)2 and delays a velocity by that fraction of its angle.
+Ring: target 2.5 %, of the greatest displacement and of the greatest speed, pi. Disc: the angular velocity may be off by
+the target of test_spin.py, 1e-3 per turn; cells at the rim are partly filled, and their missing stress causes waves of
+the velocity stress/(rho c). Ratios of errors: 3.5 instead of 4 where the error is of second order, 3.3 from 6 to 12
+cells, 1.8 instead of 2 where free rims make it of first order. A limit for the stress applies to the line only:
+elsewhere free ends or particles that cross cells make it of first order. The momentum balance closes to round-off;
+those of energy and angular momentum within the accuracy of the time step, target 1 % and 2e-3: without the recorded
+work of the body force the error would be 1.
 """
 # timeout: 200
 
@@ -34,7 +35,7 @@ import case
 import manufactured
 import measured
 
-STIFF = 0.7 / (1.3 * 0.4)              # modulus of a pressure wave over that of Young, nu = 0.3
+STIFF = 0.7 / (1.3 * 0.4)              # modulus of a pressure wave over Young's modulus, nu = 0.3
 
 DECK = """
 &run  dimension='{dimension}' /
@@ -84,7 +85,7 @@ DISC = """
 
 
 def follow(options, name, dimension, deck, end, cells, **words):
-    """Errors of runs that are finer and finer, as lists."""
+    """Errors of successively finer runs, as lists."""
     result = {"name": name, "displacement": [], "velocity": [], "stress": [], "books": []}
     for number in cells:
         text = DECK.format(dimension=dimension, end=end) + deck.format(spacing=1.0 / number, **words)
@@ -105,7 +106,7 @@ def follow(options, name, dimension, deck, end, cells, **words):
 
 
 def judge(sheet, result, error, ratio, key="displacement"):
-    """The finest error and the least ratio of errors must be good enough."""
+    """The finest error and the least ratio of errors must meet their limits."""
     name, errors = result["name"], result[key]
     sheet.below(f"{name}: error of {key}", errors[-1], error)
     for coarse, fine in zip(errors, errors[1:]):
@@ -113,14 +114,14 @@ def judge(sheet, result, error, ratio, key="displacement"):
 
 
 def rim(spacing):
-    """Velocity [m/s] of waves from a rim of that width that lacks its hoop stress, root mean square over the disc."""
+    """Velocity [m/s] of waves from a rim of that width without its hoop stress, root mean square over the disc."""
     ratio, modulus = 0.3 / 0.7, 1.0e7 * STIFF
     hoop = (2.0 - 2.0 * ratio) / 8.0 * 1000.0 * 4.0 ** 2
     return math.sqrt(1.0 - (1.0 - spacing) ** 2) * hoop / math.sqrt(1000.0 * modulus)
 
 
 def test_exact(options, sheet):
-    """All solutions; each makes what it can in a few seconds."""
+    """All solutions, each with the resolution that takes a few seconds."""
     line = follow(options, "line", "1d", CUBE, 0.02, (8, 16, 32), poisson=0, ppc="2,1,1",
                   amplitude="1.0e-4")
     plane = follow(options, "plane", "plane_strain", CUBE, 0.01, (8, 16, 32), poisson=0.3,
@@ -143,7 +144,8 @@ def test_exact(options, sheet):
     late = 7.0 / 24.0 * (0.5 * math.pi / 32) ** 2 / math.sqrt(2.0)
     judge(sheet, bar, late, 3.5)
     judge(sheet, bar, late * 0.5 * math.pi * 1.0e-3, 3.5, "velocity")
-    turn = 0.08 * 4.0                                  # angle of the disc, whose spin may be off by that part of 1e-3
+    # angle of the disc, whose angular velocity may be off by that fraction of 1e-3
+    turn = 0.08 * 4.0
     judge(sheet, disc, 0.5 * 1.0e-3 / (2.0 * math.pi) * turn ** 2 * math.sqrt(0.5) / (2.0 * math.sin(0.5 * turn)), 3.3)
     judge(sheet, disc, rim(1.0 / 20), 1.8, "velocity")
     for result in (line, plane, cube, ring, bar, disc):

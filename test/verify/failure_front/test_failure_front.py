@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rods of glass that strike: the elastic wave, what it leaves alone, and a failure front on a turned grid.
+"""Glass rods that collide: the elastic wave, the undisturbed material ahead of it, and a failure front on a rotated
+grid.
 
-Would catch: a wave of the wrong speed in a rod with a free side; failure or motion ahead of the wave, or failure below
-the strength; a criterion or a delay that knows of the axes of the grid, so that a front runs faster along them; a flag
-of failure that is anything but 0 and 1.
+Would catch: a wave of the wrong speed in a rod with a free lateral surface; failure or motion ahead of the wave, or
+failure below the strength; a criterion or a delay that depends on the axes of the grid, so that a front propagates
+faster along them; a failure flag other than 0 and 1.
 
-Closed: the wave starts with c_L, as the middle of the rod does not know of its side yet, and goes on with the speed of
-bars, sqrt(E/rho). Its head is then the integral of an Airy function, a third of whose height travels at that speed
-(R. Skalak, J. Appl. Mech. 24 (1957) 59). Half of the pair is computed, so speeds in the glass are those on the grid
-and that of the rod. Along the grid and at 30 degrees to it the front of two rods in plane strain may differ by a cell.
+Closed solution: the wave starts with c_L, since the free surface does not yet affect the centre of the rod, and
+continues with the bar speed, sqrt(E/rho). Its head is then the integral of an Airy function; the point at a third of
+its height travels at that speed (R. Skalak, J. Appl. Mech. 24 (1957) 59). Only one half of the pair is computed, so
+speeds in the glass are the sum of the speed on the grid and that of the rod. Along the grid and at 30 degrees to it the
+front of two rods in plane strain may differ by a cell.
 """
 
 import numpy as np
@@ -35,7 +37,7 @@ ELASTIC = """
 &boundary  face='zlo'  type='symmetry' /
 &output  name='p'  kind='particles'  dt={every}  precision='double'  fields='velocity','failed','damage' /
 """
-CELL = 4.0e-4                          # of the rods that turn [m]
+CELL = 4.0e-4                          # of the rotated rods [m]
 TURNED = """
 &run  dimension='plane_strain' /
 &units  system='mm-us-mg' /
@@ -50,7 +52,7 @@ TURNED = """
 &body  name='right'  region='right'  material='g'  ppc=2,1,2  velocity={mx:.15f},0,{mz:.15f} /
 &output  name='p'  kind='particles'  dt=0.2  precision='double'  fields='failed','mass' /
 """
-#: A piece of rubble and what is left of a rod in a closed box for a hundred thousand steps.
+# : A fragment of rubble and the remainder of a rod in a closed box for a hundred thousand steps.
 BOX = """
 &run  dimension='plane_strain' /
 &units  system='mm-us-mg' /
@@ -69,7 +71,7 @@ BOX = """
 
 
 def rows(snap, spacing, widest):
-    """Places [m] and mean axial velocities [m/s] of layers of particles, up to a radius."""
+    """Positions [m] and mean axial velocities [m/s] of layers of particles, up to a radius."""
     inside = snap.points[:, 0] < widest
     layer = np.floor(snap.points[inside, 2] / spacing).astype(int)
     ring, height = snap.points[inside, 0], snap.points[inside, 2]
@@ -80,7 +82,8 @@ def rows(snap, spacing, widest):
 
 
 def reached(snap, spacing, widest, share):
-    """Highest place where the velocity has changed by a share of what the impact takes [m], 0 if there is none."""
+    """Highest position at which the velocity has changed by a fraction of the change in the impact [m], 0 if there is
+    none."""
     height, velocity = rows(snap, spacing, widest)
     level = -SPEED * (1.0 - share)
     passed = np.nonzero(velocity > level)[0]
@@ -91,7 +94,7 @@ def reached(snap, spacing, widest, share):
 
 
 def wave(options, sheet, name, share, between, right, **words):
-    """An elastic rod: speed of the wave, and peace ahead of it."""
+    """An elastic rod: speed of the wave, and undisturbed material ahead of it."""
     box = case.Case(options, name, ELASTIC.format(shear=1.0, **words)).run("-q")
     cell, length = 1.0e-3 * words["cell"], 1.0e-3 * words["length"]
     snaps = box.snapshots()
@@ -111,7 +114,8 @@ def wave(options, sheet, name, share, between, right, **words):
 
 
 def test_weak(options, sheet):
-    """The same rod with half the shear strength that it needs fails behind the wave and not ahead of it."""
+    """The same rod with half the shear strength that would prevent failure fails behind the wave and not ahead of
+    it."""
     words = {"width": 4, "radius": 2.5, "high": 22, "length": 20, "cell": 0.5, "end": 2.5, "every": 0.25}
     box = case.Case(options, "weak", ELASTIC.format(shear=0.02, **words)).run("-q")
     places = []
@@ -125,8 +129,8 @@ def test_weak(options, sheet):
 
 
 def turned(options, turn):
-    """Places that all but a hundredth of what is broken on either side has not passed, at all times [m], and the
-    broken mass at the end [kg]."""
+    """Positions beyond which there is a hundredth of the broken mass on either side, at all times [m], and the broken
+    mass at the end [kg]."""
     along = np.array([np.cos(np.radians(turn)), 0.0, -np.sin(np.radians(turn))])
     deck = TURNED.format(turn=turn, x=0.2 * along[0], z=0.2 * along[2], mx=-0.2 * along[0], mz=-0.2 * along[2])
     found = []
@@ -138,7 +142,7 @@ def turned(options, turn):
 
 
 def test_flags(options, sheet):
-    """Who has failed, in the order of identities, stays failed, and nobody is in between."""
+    """Failed particles remain failed, and flags are 0 or 1, compared in the order of identities."""
     before = 0.0
     box = case.Case(options, "box", BOX).run("-q")
     for _, snap in box.snapshots():

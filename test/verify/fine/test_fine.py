@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The problems of test/support/bodies.py on fine grids with the defaults.
 
-Would catch: errors that stop to fall, or grow, where grids are finer than those of the short tests, as noise of
-moving particles does that is not damped; all short tests may pass with it.
+Would catch: errors that stop decreasing, or grow, where grids are finer than those of the short tests, as undamped
+noise of particles does; all short tests may pass with it.
 
 Limits: the targets of the short tests, halved for each halving of the cells where the error is of first order at
-least: spinning disc 1e-3 a turn with 10 cells on the radius, so half of that with 20; two discs 1 % of the energy
-with 32 cells across, half of that with 64; stress of the column h/L; rates 1.8 of those of second order, 0.85 of the
-first. Held bar: energy 1 %, period the dispersion of DDMP. Shear of grains: the waves of the short test, 1 % with
-5e-4 kg/m3, go with the root of the density.
+least: spinning disc 1e-3 per turn with 10 cells on the radius, so half of that with 20; two discs 1 % of the energy
+with 32 cells across, half of that with 64; stress of the column h/L; orders 1.8 for second order, 0.85 for first order.
+Held bar: energy 1 %, period the dispersion of DDMP. Shear of grains: the waves of the short test, 1 % with 5e-4 kg/m3,
+are proportional to the root of the density.
 """
 # tiers: long
 # timeout long: 2400

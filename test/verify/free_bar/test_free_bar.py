@@ -1,25 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A bar without supports vibrates in its first mode while it flies through 36 cells.
 
-Would catch: a dual gradient that gives force to empty nodes at the free ends (energy times 278,
-momentum lost); noise or damping when particles cross cells; work that does not belong to the force;
-a stress update with other weights than the force; velocities and positions of different times; artificial viscosity
-with another coefficient, or work of it that is not booked.
+Would catch: a dual gradient that exerts forces on empty nodes at the free ends (energy times 278, momentum lost); noise
+or damping when particles cross cells; work that is not consistent with the force; a stress update with other weights
+than the force; velocities and positions of different times; artificial viscosity with another coefficient, or work of
+it that is not recorded.
 
-Closed (`&exact bar_mode`): u' = V + v0 cos(pi X/L) cos(w t), w = pi c/L. L = 25 m, E = 100 Pa, nu = 0,
-rho = 1 kg/m3, V = 2 m/s, v0 = 0.05 m/s, two particles a cell, 1.8 periods in 9 s. The energy of the
-vibration is what is left without the flight of the centre of mass, which is 1600 times greater and would
-hide everything.
+Closed solution (`&exact bar_mode`): u' = V + v0 cos(pi X/L) cos(w t), w = pi c/L. L = 25 m, E = 100 Pa, nu = 0, rho = 1
+kg/m3, V = 2 m/s, v0 = 0.05 m/s, two particles a cell, 1.8 periods in 9 s. The energy of the vibration is the total
+energy without that of the centre of mass, which is 1600 times greater and would hide all errors.
 
 Limits for cells of 0.5 m. Momentum and mass: rounding. Energy of the vibration: target 1 %, with the work of
-artificial viscosity where there is one. Greatest energy: the target and w dt/2, by which the sum of a velocity half a
-step old and a stress of now wavers. Velocity and stress: the dispersion of the schemes (manufactured.py), 7/24 (k h)2
-for DDMP, leaves a phase of 0.013 after 9 s; it moves the velocity by sin(w t) of it, 1.2 %, and the stress by
-cos(w t), 0.4 %: limits 1.5 % and 0.5 % of their greatest values. Rates: 1.3 at least, between the 1 of the free ends
-and the 2 of the inner cells. Work of the viscosity: q = q1 rho c h |v'| while the bar gets shorter takes
-2 q1 c h k2 cos2(w t) of the energy a second, 1.8 % in all; limit 5 % of that, which the quadratic term (1 %), the
-loss of energy and the discrete strain (1 % each) leave. The plain method is the control: without smooth gradients
-the bar must be seen to fail, or it crosses nothing.
+artificial viscosity where there is one. Greatest energy: the target plus w dt/2, the amplitude of the oscillation of
+the sum of a velocity half a step behind and the current stress. Velocity and stress: the dispersion of the schemes
+(manufactured.py), 7/24 (k h)2 for DDMP, causes a phase error of 0.013 after 9 s, which changes the velocity by sin(w t)
+of it, 1.2 %, and the stress by cos(w t), 0.4 %: limits 1.5 % and 0.5 % of their greatest values. Orders: at least 1.3,
+between 1 for the free ends and 2 for the inner cells. Work of the viscosity: q = q1 rho c h |v'| while the bar becomes
+shorter dissipates 2 q1 c h k2 cos2(w t) of the energy per second, 1.8 % in all; limit 5 % of that, for the quadratic
+term (1 %), the loss of energy and the discrete strain (1 % each). The plain method is the control: without smooth
+gradients the bar must fail the limits; otherwise it crosses no cells.
 """
 # tiers: smoke, full
 
@@ -40,7 +39,7 @@ FULL = pytest.mark.tiers("full", "long")
 
 
 def fly(options, sheet, name, method="ddmp", words="", **more):
-    """One flight, whose momentum and energy are judged."""
+    """One flight, whose momentum and energy are checked."""
     result = bodies.free_bar(options, name, method, words, **more)
     figures = ("energy", "books", "greatest", "velocity", "displacement", "stress", "momentum")
     measured.show(name, {key: result[key] for key in figures})
@@ -62,7 +61,7 @@ def judge(sheet, name, result):
 
 @FULL
 def test_viscous(options, sheet):
-    """What artificial viscosity takes, against its closed value."""
+    """Energy dissipated by artificial viscosity, against its closed value."""
     result = fly(options, sheet, "viscous", effects="")
     time = (np.arange(100000) + 0.5) * END / 100000
     shrinks = np.cos(TURN * time) > 0.0
@@ -74,7 +73,7 @@ def test_viscous(options, sheet):
 
 
 def test_usual(options, sheet):
-    """The default, with two sizes of cells."""
+    """The default, with two cell sizes."""
     usual = fly(options, sheet, "usual")
     sheet.require(usual["particles"] == 100, "the bar keeps its particles")
     judge(sheet, "usual", usual)
@@ -89,12 +88,12 @@ def test_usual(options, sheet):
 @FULL
 @pytest.mark.parametrize("name", OTHERS)
 def test_others(options, sheet, name):
-    """Other ways to compute."""
+    """Other methods."""
     judge(sheet, name, fly(options, sheet, name, *OTHERS[name]))
 
 
 @FULL
 def test_plain(options, sheet):
-    """The plain method does not keep the energy."""
+    """The plain method does not conserve the energy."""
     plain = fly(options, sheet, "mpm", "mpm")
     sheet.above("mpm: energy of the vibration over that at the start", 1.0 + plain["energy"], 2.0)

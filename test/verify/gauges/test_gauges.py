@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
-"""Gauges: a flyer meets a plate that breaks, seen by instruments and by snapshots.
+"""Gauges: a flyer meets a plate that breaks, recorded by instruments and by snapshots.
 
 Would catch a gauge that follows another particle after particles are sorted or ranks exchange them, rows that a
 restart leaves out or writes twice, values that depend on ranks, a surface that is not the free one, and a value at a
@@ -31,7 +31,7 @@ DECK = f"""
 &output  name='plate'   kind='gauge'  gauge='mean'  bodies='plate'  every=1  fields='velocity' /
 """
 GAUGES = ("gauge", "laser_gauge", "inside_gauge", "plate_gauge")
-# A bar that falls apart evenly: the velocity has a slope, which a gauge beside the middle must see exactly.
+# A bar that expands uniformly: the velocity is linear, and a gauge off the centre must give its exact value.
 SLOPE = """
 &run  dimension='plane_strain' /
 &grid  lo=0,0,0  hi=1,1,1  dx=0.05 /
@@ -50,7 +50,7 @@ def table(run, name):
 
 
 def test_plate(options, sheet):
-    """The plate on one rank, on others, and stopped in between."""
+    """The plate on one rank, on several, and stopped in between."""
     one = case.Case(options, "plate", DECK).run("-q")
     rear, laser = table(one, "gauge"), table(one, "laser_gauge")
     snapshots = one.snapshots()
@@ -66,7 +66,7 @@ def test_plate(options, sheet):
         sheet.require(row["stress_xx [Pa]"] == snap.fields["stress"][at, 0], "stress of the snapshot")
         compared += 1
     sheet.require(compared > 20, f"{compared} rows at the times of snapshots")
-    # pull-back: the surface reaches V and falls by 2 s/(rho c) before the break is seen
+    # pull-back: the surface reaches V and decreases by 2 s/(rho c) before the break is visible
     time, speed = laser["time [s]"] * SOUND / THICK, laser["velocity_x [m/s]"] / SPEED
     plateau = speed[(time > 2.4) & (time < 3.6)].mean()
     fallen = speed[(time > 4.0) & (time < 4.6)].min()
@@ -83,7 +83,7 @@ def test_plate(options, sheet):
 
 
 def bits(options, sheet, one):
-    """The same bytes on two ranks, and with a restart that leaves no row out."""
+    """The same bytes on two ranks, and with a restart that omits no row."""
     two = case.Case(options, "two", DECK, ranks=2)
     two.name = "plate"
     two.run("-q", "--case", "plate")
@@ -101,7 +101,7 @@ def bits(options, sheet, one):
 
 
 def test_slope(options, sheet):
-    """Linear fields are seen exactly, inside and at a surface."""
+    """Linear fields are reproduced exactly, inside and at a surface."""
     run = case.Case(options, "slope", SLOPE).run("-q")
     inside, below = np.atleast_1d(table(run, "gauge"))[0], np.atleast_1d(table(run, "s_gauge"))[0]
     sheet.near("x velocity inside", inside["velocity_x [m/s]"], 3 * 0.437 - 2 * 0.511 + 1, 1e-13)

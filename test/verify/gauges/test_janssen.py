@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Load cells below and beside a silo whose walls rise slowly: the law of H. A. Janssen (Z. VDI 39 (1895) 1045).
 
-Would catch a force that goes to the wrong wall, walls whose friction is not that of the deck, and forces of a
-steady state whose means are not those of equilibrium. In a plane silo of width W and filling H the floor bears
-rho g W/(2 mu K) (1 - exp(-2 mu K H/W)) on its area; K is the normal stress on the walls over the mean vertical stress.
-The walls rise, so that their friction is that of sliding; beside the smooth floor it is not quite, which leaves the
-floor a few percent more.
+Would catch a force that is assigned to the wrong wall, walls whose friction is not that of the deck, and forces of a
+steady state whose means are not those of equilibrium. In a plane silo of width W and filling H the floor supports rho g
+W/(2 mu K) (1 - exp(-2 mu K H/W)) on its area; K is the normal stress on the walls over the mean vertical stress. The
+walls rise, so that their friction is fully mobilised; next to the smooth floor it is not quite, so that the floor
+supports a few percent more.
 """
 # tiers: full, long
 # timeout: 300

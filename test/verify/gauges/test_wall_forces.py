@@ -2,9 +2,9 @@
 # tiers: smoke, full
 """Forces on boundaries, their parts and rigid regions.
 
-Would catch a force that is given to another wall, one that is counted twice where two walls meet, friction or a
-retried step that is left out, a mean force that is not the change of the impulse, work of a wall with another
-velocity, and an output that changes the run.
+Would catch a force that is assigned to another wall, one that is counted twice where two walls meet, friction or a
+repeated step that is omitted, a mean force that is not the change of the impulse, work of a wall with another velocity,
+and an output that changes the run.
 """
 
 import numpy as np
@@ -53,7 +53,8 @@ def table(run, name):
 
 
 def sums(sheet, one, filtered=False):
-    """Impulses of all walls are that of the ledger; forces are their changes; work is that of the plate."""
+    """The sum of the impulses of all walls is that of the ledger; forces are their changes; work is that of the
+    plate."""
     forces, history = table(one, "forces"), one.history
     for axis in "xz":
         walls = sum(forces[name] for name in forces.dtype.names if name.endswith(f"_impulse_{axis} [N s]"))
@@ -71,7 +72,7 @@ def sums(sheet, one, filtered=False):
                 abs(forces["plate_work [J]"] + 0.5 * forces["plate_impulse_x [N s]"]).max(), 1e-9)
     sheet.below("slip has no force along it", abs(forces["middle_impulse_x [N s]"]).max(), 1e-12)
     if filtered:
-        # the filter takes from the normal impulse after friction has counted it
+        # the velocity filter reduces the normal impulse after friction has been computed from it
         return
     push, rub = -forces["zlo_impulse_z [N s]"], abs(forces["zlo_impulse_x [N s]"])
     sheet.below("friction is at most the coefficient times the normal impulse", (rub - 0.4 * push).max(), 1e-9)
@@ -80,7 +81,7 @@ def sums(sheet, one, filtered=False):
 def test_wall_forces(options, sheet):
     one = case.Case(options, "walls", DECK.format(more=FORCES)).run("-q")
     sums(sheet, one)
-    # each term of the filter of velocities loses what walls hold
+    # each term of the velocity filter loses the components that walls prescribe
     filtered = DECK.replace("&time ", "&method  transfer='xpic' /\n&time ").format(more=FORCES)
     sums(sheet, case.Case(options, "filtered", filtered).run("-q"), filtered=True)
     plain = case.Case(options, "plain", DECK.format(more="")).run("-q")

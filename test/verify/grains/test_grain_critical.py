@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scree --grains: volume fraction of spheres in slow steady shear, by friction.
 
-Would catch friction between spheres that is not that of the deck, a tangential force that is lost when pairs are
-found anew, and dilatancy that the servo hinders. Values are quoted from memory.
+Would catch friction between spheres that is not that of the deck, a tangential force that is lost in a neighbour
+search, and dilatancy that the servo prevents. Values are quoted from memory.
 """
 # tiers: long
 # timeout: 1200

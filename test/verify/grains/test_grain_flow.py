@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scree --grains in steady shear: the energy balance, friction and volume fraction.
 
-Would catch work of the cell that is not dissipated, so a wrong stress, velocity gradient or loss; friction that is
-another one between grains than the deck says; and a servo that lets the pressure drift.
+Would catch work of the cell that is not dissipated, hence a wrong stress, velocity gradient or loss; friction between
+grains that is not that of the deck; and a servo whose pressure drifts.
 """
 # tiers: full, long
 # timeout: 200
@@ -41,7 +41,7 @@ def test_balance(options, sheet):
     sheet.require(change["dashpots"] > 0.05 * lost and change["slip"] > 0.05 * lost, "both kinds of loss")
     stored = change["kinetic"] + change["springs"] + change["shear"]
     sheet.near("dissipation and change of stored energy over work", (lost + stored) / change["work"], 1.0, 1e-3)
-    # the work is that of the stresses that the history shows, of which the normal one does work too
+    # the work is that of the stresses in the history; the normal stress also does work
     sheet.below("numerical loss over work", change["step_error"] / change["work"], 1e-3)
     energy = np.mean(part["kinetic"] + part["springs"] + part["shear"])
     steps = np.diff(part["step"])

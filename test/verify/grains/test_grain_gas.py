@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""scree --grains far from contact: elastic gases and gases that cool.
+"""scree --grains far from contact: elastic gases and cooling gases.
 
-Would catch a stress without its kinetic part, with half of the contacts or another volume, a restitution that is
-another one in a crowd, energy that is made by collisions, and pairs that are found too late.
+Would catch a stress without its kinetic part, with half of the contacts or another volume, a restitution that differs
+in dense systems, energy created in collisions, and pairs that are found too late.
 """
 # tiers: full, long
 # timeout: 200
@@ -24,7 +24,8 @@ SPEED, DIAMETER, DENSITY = 0.03, 1e-3, 2500.0
 
 
 def hard(shape, solid):
-    """Compressibility factor and pair distribution at contact: Henderson's discs, Carnahan and Starling's spheres."""
+    """Compressibility factor and pair distribution at contact: Henderson for discs, Carnahan and Starling for
+    spheres."""
     if shape == "discs":
         return (1 + solid**2 / 8) / (1 - solid)**2, (1 - 7 * solid / 16) / (1 - solid)**2
     return (1 + solid + solid**2 - solid**3) / (1 - solid)**3, (1 - solid / 2) / (1 - solid)**3
@@ -35,8 +36,9 @@ def hard(shape, solid):
     ("spheres", 0.3, 343, 3e3),
 ])
 def test_elastic(options, sheet, shape, solid, number, stiffness):
-    """Pressure over kinetic pressure. Overlaps of s diameters make the grains smaller by about s: d/dt of the
-    overlap is the speed, so s is known; stiffness is such that it changes the factor by less than a third of 1 %."""
+    """Pressure over kinetic pressure. Overlaps of s diameters reduce the effective diameter of the grains by about s; s
+    follows from the collision speed, and the stiffness is chosen such that it changes the factor by less than a
+    third of 1 %."""
     factors, worst = [], 0.0
     for seed in range(1, tier.choose(full=4, long=16)):
         one = case.Case(options, f"{shape}_{seed}", GAS.format(
@@ -55,7 +57,7 @@ def test_elastic(options, sheet, shape, solid, number, stiffness):
 
 
 def beyond_maxwell(e, d):
-    """Second Sonine coefficient of a gas that cools."""
+    """Second Sonine coefficient of a cooling gas."""
     return 16 * (1 - e) * (1 - 2 * e**2) / (9 + 24 * d + 8 * d * e - 41 * e + 30 * e**2 * (1 - e))
 
 
@@ -65,9 +67,10 @@ def beyond_maxwell(e, d):
 ])
 def test_cooling(options, sheet, shape, solid, number, stiffness, duration):
     """Temperature of a gas that cools by collisions, P. K. Haff, J. Fluid Mech. 134 (1983) 401, with the time of
-    the kinetic theory of Enskog: 1/t_H = (1 - e^2)/(2 d) times the frequency of collisions of a grain, times
-    1 + 3 a/16 for velocities that are not those of Maxwell (T. P. C. van Noije, M. H. Ernst, Granular Matter 1
-    (1998) 57, quoted from memory): half a percent. Without it the spheres end 2.2 % beyond two standard errors."""
+    the Enskog kinetic theory: 1/t_H = (1 - e^2)/(2 d) times the collision frequency of a grain, times 1 + 3 a/16 for a
+    velocity distribution that is not Maxwellian (T. P. C. van Noije, M. H. Ernst, Granular Matter 1 (1998) 57, quoted
+    from memory): half a percent. Without this factor the final temperature of the spheres is off by 2.2 % more than two
+    standard errors."""
     restitution, d = 0.9, 2 if shape == "discs" else 3
     solid_volume = np.pi / 4 * DIAMETER**2 if d == 2 else np.pi / 6 * DIAMETER**3
     ratios = []

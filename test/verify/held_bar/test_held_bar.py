@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A bar held at one end vibrates for ten periods, once within its cells and once across them.
+"""A bar fixed at one end vibrates for ten periods, once within its cells and once across them.
 
-Would catch: a frequency that is off (mass at the wrong nodes, a wall that gives), energy that grows or
-fades over many periods, noise of crossings that grows with time.
+Would catch: a wrong frequency (mass at the wrong nodes, a wall that moves), energy that grows or decays over many
+periods, cell-crossing noise that grows with time.
 
-L = 25 m, E = 100 Pa, nu = 0, rho = 1 kg/m3, first velocity v0 sin(pi X/(2 L)), 4 particles a cell, Neo and
-Hooke. Closed for small strain: period 4 L/c = 10 s. With v0 = 0.1 m/s the end moves by 0.16 m and the
-chain of finite elements in test/support/bodies.py, which has the large strain, gives 9.99994 s; with
-v0 = 0.75 m/s it moves by 1.2 m across cells and the period is 9.9963 s.
+L = 25 m, E = 100 Pa, nu = 0, rho = 1 kg/m3, initial velocity v0 sin(pi X/(2 L)), 4 particles per cell, neo-Hookean.
+Closed solution for small strain: period 4 L/c = 10 s. With v0 = 0.1 m/s the end moves by 0.16 m, and the bar of finite
+elements in test/support/bodies.py, which includes finite strain, gives 9.99994 s; with v0 = 0.75 m/s it moves by 1.2 m
+across cells and the period is 9.9963 s.
 
 Limits, each for both speeds. Period: the dispersion of DDMP, 7/24 (k h)2 with k = pi/(2 L) (manufactured.py): 0.11 %
-with 26 cells, 0.43 % with 13; rate above 1.6 for an error of second order. Energy over ten periods: target 1 %. The
-energy is the mean of a period, since velocities stand half a step before the stresses and their sum wavers within it
-by w dt. The plain method has the period within its cells, and loses more energy to crossings: a known miss, held at
-5 %; across cells it is the control and must lose more than that, or nothing crosses.
+with 26 cells, 0.43 % with 13; order above 1.6 for an error of second order. Energy over ten periods: target 1 %. The
+energy is the mean over a period, since velocities are half a step behind the stresses, so that the sum oscillates
+within a period by w dt. The plain method has the correct period within its cells, and loses more energy in crossings: a
+known miss, held at 5 %; across cells it is the control and must lose more than that; otherwise nothing crosses.
 """
 # tiers: smoke, full
 
@@ -26,7 +26,7 @@ import tier
 
 
 def swing(options, name, right, **words):
-    """One bar, shown; its error of the period."""
+    """One bar; prints its errors; returns its error of the period."""
     result = bodies.held_bar(options, name, **words)
     result["lag"] = result["period"] / right - 1.0
     measured.show(name, {key: result[key] for key in ("lag", "energy", "waver", "steps")})
@@ -34,13 +34,13 @@ def swing(options, name, right, **words):
 
 
 def dispersion(cells):
-    """What the period of DDMP is too long by, over the period, for elements that are small."""
+    """Relative excess of the period with DDMP for small cells."""
     return 7.0 / 24.0 * (0.5 * np.pi / cells) ** 2
 
 
 @pytest.mark.parametrize("name, speed", tier.choose((("within", 0.1), ("across", 0.75)), smoke=(("across", 0.75),)))
 def test_held_bar(options, sheet, name, speed):
-    """Both speeds."""
+    """Both initial speeds."""
     right = bodies.held_bar_reference(speed)["period"]
     sheet.near(f"{name}: period of the chain, small strain", right, 10.0, 1.0e-3)
     coarse, usual = (swing(options, f"{name}_{cells}", right, cells=cells, speed=speed) for cells in (13, 26))

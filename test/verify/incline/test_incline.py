@@ -1,22 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Grains on a slope: the steady profile, the way to it, and slopes on which there is none.
+"""Grains on a slope: the steady profile, the approach to it, and slopes without a steady flow.
 
-Would catch: a law of mu(I) with a wrong rate, pressure or root; friction that takes part of the rate of the step
-before; a base that slips; a free surface that loses weight or drags; periodic faces that brake; noise or a
-viscosity of the transfer that adds to the friction of the grains; layers that creep where they should rest.
+Would catch: a law mu(I) with a wrong rate, pressure or root; friction that uses part of the rate of the previous step;
+a base that slips; a free surface that loses weight or has drag; periodic boundaries that decelerate; noise or a
+viscosity of the transfer that adds to the friction of the grains; layers that creep where they should be at rest.
 
 P. Jop, Y. Forterre, O. Pouliquen, Nature 441 (2006) 727, glass beads of 0.5 mm, layer of 10 mm. Between 20.9 and
 32.76 degrees the inertial number I is the same at all depths and the speed is
 u = 2 I/(3 d) sqrt(phi g cos) [h^(3/2) - (h - z)^(3/2)]; limit 1 % of the speed of the surface for every particle.
-24 degrees start from rest, 22 degrees from 0.7 of the profile and 26 degrees from 1.2 times the profile, so all
-have to find it. At 34 degrees the layer accelerates; the mean speed follows finite volumes of the same law
-(limit 2 %) between g (sin - mu_2 cos) and g (sin - mu_s cos). At 20 degrees a layer that moves like one at 24
-degrees stops before it could with mu_s alone, and stays: limit 1e-6 m in 0.4 s, below 1e-4 of the way it went.
+The run at 24 degrees starts from rest, that at 22 degrees from 0.7 of the profile and that at 26 degrees from 1.2 times
+the profile, so all must converge to it. At 34 degrees the layer accelerates; the mean speed follows finite volumes of
+the same law (limit 2 %) between g (sin - mu_2 cos) and g (sin - mu_s cos). At 20 degrees a layer with the initial
+velocity of one at 24 degrees stops earlier than with mu_s alone, and remains at rest: limit 1e-6 m in 0.4 s, below 1e-4
+of the distance that it moved.
 
-Tier long: a layer of 20 mm, speed of the surface 0.77988 m/s, and one of 10 mm with half and twice the cells, that
-start with 0.9 of the steady profile and are on their way to it for four of its times of relaxation. Would catch an
-inertial number that depends on the height or on the cells, a viscosity of the transfer that grows with the number of
-steps. Limit 1 %, with half the cells twice that.
+Tier long: a layer of 20 mm, with a surface speed of 0.77988 m/s, and one of 10 mm with half and twice the cells; they
+start with 0.9 of the steady profile and approach it for four relaxation times. Would catch an inertial number that
+depends on the height or on the cells, a viscosity of the transfer that grows with the number of steps. Limit 1 %, with
+half the number of cells twice that.
 """
 # tiers: smoke, full, long
 # timeout long: 900

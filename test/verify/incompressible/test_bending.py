@@ -1,19 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A clamped beam of nearly incompressible matter bends under its weight.
+"""A clamped beam of nearly incompressible material bends under its weight.
 
-Would catch: cells that lock (without the cure the tip falls 40 % too little at nu = 0.49 with four cells across), a
-cure that takes the stiffness of bending, pressure that jumps from cell to cell.
+Would catch: locking (without antilock the deflection of the tip is 40 % too small at nu = 0.49 with four cells across),
+antilock that reduces the bending stiffness, pressure that jumps from cell to cell.
 
-5 x 1 m, E = 1 MPa, 1000 kg/m3, plane strain, small deflection. The reference is in beams.py: finite elements that do
-not lock for the deflection at rest, the modes of a beam for the first swing. Targets with eight cells across: tip 2
-%, jumps of pressure from cell to cell and within a cell 5 % (H-11 in test/hard/README.md). With four cells an error
-of second order is four times as large, a jump twice. Where nothing locks, at nu = 0.3 without the cure and with
-`mpm`, four cells have to meet 2 % as well.
+5 x 1 m, E = 1 MPa, 1000 kg/m3, plane strain, small deflection. The reference is in beams.py: finite elements without
+locking for the static deflection, the modes of a beam for the first oscillation. Targets with eight cells across: tip 2
+%, jumps of pressure from cell to cell and within a cell 5 % (H-11 in test/hard/README.md). With four cells an error of
+second order is four times as large, a jump twice. Where there is no locking, at nu = 0.3 without antilock and with
+`mpm`, four cells must meet 2 % as well.
 
-Tier long: nu from 0.3 to 0.4999, with and without the cure, in three resolutions; would catch a cure that holds for one
-ratio of the moduli only, and errors that do not fall with the cells. Wave speeds grow as the root of the bulk modulus,
-so the last beams take 20 and 40 thousand steps. Rate of the error with the cure at least 1.5; without it the tip must
-fall short by more than the target from nu = 0.49 on, or the cure is not needed.
+Tier long: nu from 0.3 to 0.4999, with and without antilock, in three resolutions; would catch antilock that works for
+one ratio of the moduli only, and errors that do not decrease with the cell size. Wave speeds grow as the root of the
+bulk modulus, so the last beams take 20 and 40 thousand steps. The order of the error with antilock must be at least
+1.5; without it the deflection must be too small by more than the target from nu = 0.49 on; otherwise antilock is not
+needed.
 """
 # tiers: full, long
 # timeout: 120
@@ -33,7 +34,7 @@ CURE = "antilock='bbar'"
 
 
 def judge(sheet, options, name, poisson, spacing, far=None, words=CURE, method="ddmp"):
-    """One beam against its reference; its error. A beam without the cure locks from nu = 0.49 on."""
+    """One beam against its reference; returns its error. A beam without antilock locks from nu = 0.49 on."""
     expected, finer = beams.expected(poisson), spacing / 0.125
     result = beams.bend(options, name, poisson, spacing, words, method)
     error = result["fall"] / expected["fall"] - 1.0
@@ -55,7 +56,7 @@ def judge(sheet, options, name, poisson, spacing, far=None, words=CURE, method="
 
 @pytest.mark.tiers("long")
 def test_study(options, sheet):
-    """All ratios of the moduli, with and without the cure, three sizes of cells."""
+    """All ratios of the moduli, with and without antilock, three cell sizes."""
     options.timeout = 1500
     for poisson in RATIOS:
         for words in ("", CURE):
@@ -77,5 +78,5 @@ def test_reference(sheet):
     *((f"even_{poisson}_{spacing}", poisson, spacing, {}) for poisson in (0.3, 0.49) for spacing in (0.25, 0.125)),
 ])
 def test_beam(options, sheet, name, poisson, spacing, more):
-    """Coarse beams, one with eight cells across, one without the cure."""
+    """Coarse beams, one with eight cells across, one without antilock."""
     judge(sheet, options, name, poisson, spacing, **more)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
-"""Material that flows in: its mass, the balance, and the force of a jet on a wall.
+"""Inflowing material: its mass, the balance, and the force of a jet on a wall.
 
-Would catch a particle that enters twice or not at all, a seam between copies of the body, a speed that is not that of
+Would catch a particle that enters twice or not at all, a gap between copies of the body, a speed that is not that of
 the deck, a flow that does not end, and a jet that loses its momentum. A plane jet of width b, density rho and speed v
-that spreads along a wall pushes on it with rho b v^2 a depth (momentum theorem).
+that spreads along a wall exerts the force rho b v^2 per depth on it (momentum theorem).
 """
 
 import numpy as np
@@ -46,7 +46,7 @@ def balance(sheet, name, run, limit=1e-12):
 
 
 def test_free(options, sheet):
-    """Before the jet reaches the wall: all that moves has the speed of the flow."""
+    """Before the jet reaches the wall all moving material has the speed of the flow."""
     deck = JET.format(dimension="plane_strain", lo="-0.05,0,0", end=0.014, transfer="flip", flow="velocity=0,0,-5",
                       floor="slip")
     run = case.Case(options, "free", deck).run("-q")
@@ -62,7 +62,7 @@ def test_free(options, sheet):
 
 
 def test_stopped(options, sheet):
-    """A flow that begins from rest and ends: the integral of its table."""
+    """A flow that starts from rest and ends: the integral of its table."""
     folder = case.Case(options, "stopped", JET.format(
         dimension="plane_strain", lo="-0.05,0,0", end=0.012, transfer="flip",
         flow="velocity=0,0,0  table='speed.csv'  t_off=0.01", floor="slip"))
@@ -76,7 +76,7 @@ def test_stopped(options, sheet):
 
 
 def test_rate(options, sheet):
-    """A bar in space by a mass in a time."""
+    """A bar in 3-D with a given mass per time."""
     run = case.Case(options, "rate", SPACE).run("-q")
     balance(sheet, "rate", run)
     layer = run.history["mass"][0] / 8.0

@@ -2,10 +2,10 @@
 # tiers: full, long
 # timeout: 300
 # timeout long: 1200
-"""Loads on surfaces: tube under inner pressure, pressure step in a cavity, traction on a bar.
+"""Loads on surfaces: tube under internal pressure, pressure step in a cavity, traction on a bar.
 
 Would catch a load that acts on another surface, or inside the material; a normal that points inwards; a force that
-is not in balance with the stress that it makes; impulse or work that the ledger lacks; a table of time that is not
+is not in equilibrium with the stress that it causes; impulse or work that the ledger lacks; a table of time that is not
 integrated; and damping that leaves a body in motion or strained.
 
 The tube: G. Lame, 1852, in S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, 1951, section 26. The cavity:
@@ -69,7 +69,8 @@ BAR = """
 
 
 def tube(options, sheet, cells):
-    """Errors of the tube with so many cells on the outer radius: energy, means of the stresses, their scatter."""
+    """Errors of the tube with a given number of cells on the outer radius: energy, means of the stresses, their
+    scatter."""
     run = case.Case(options, f"tube_{cells}", TUBE.format(size=2 / cells)).run("-q")
     snap, history = run.snapshots()[-1][1], run.history
     x, z = snap.points[:, 0], snap.points[:, 2]
@@ -90,7 +91,7 @@ def tube(options, sheet, cells):
 
 
 def test_tubes(options, sheet):
-    """Orders of the tube's errors."""
+    """Orders of the errors of the tube."""
     cells = tier.choose(full=(16, 32, 64), long=(16, 32, 64, 128))
     errors = np.array([tube(options, sheet, n) for n in cells])
     for name, column in zip(("elastic energy", "mean radial stress", "mean hoop stress"), errors.T):
@@ -99,12 +100,12 @@ def test_tubes(options, sheet):
     for name, column in zip(("radial", "hoop"), errors.T[3:]):
         order = -np.polyfit(np.log(cells), np.log(column), 1)[0]
         measured.record(f"tube: order of the scatter of the {name} stress", order)
-        # the stress of particles beside the curved surface keeps its error, their share falls with their size
+        # the stress of particles at the curved surface keeps its error; their fraction decreases with their size
         sheet.known(f"tube: order 1 less that of the scatter of the {name} stress", 1 - order, limit=0.5, target=0.0)
 
 
 def cavity(options, cells):
-    """Errors of the radial velocity around a cavity when the wave is at 2.2 radii: mean of all, over the mean
+    """Errors of the radial velocity around a cavity when the wave is at 2.2 radii: mean of all particles, over the mean
     velocity, and mean behind the front."""
     end = 1.2 / WAVE
     run = case.Case(options, f"cavity_{cells}", CAVITY.format(size=1 / cells, end=end)).run("-q")

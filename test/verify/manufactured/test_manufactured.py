@@ -1,26 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Waves of large amplitude across many cells: errors and orders of convergence.
 
-Would catch: forces of particles that change when they cross cells, which make errors grow as cells
-get smaller; a mean stress that is not taken out and put back in the same measure; a body force or a
-first state that does not belong to the solution; steps of first order.
+Would catch: forces of particles that change when they cross cells, so that errors grow with smaller cells; a mean
+stress that is subtracted and added with different weights; a body force or an initial state that does not belong to the
+solution; steps of first order.
 
 P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628, on a line for half a period:
-matter swings out and back, so that at A = 0.1 a particle crosses up to 26 cells of 256 on its way.
-Greatest error in the run over the greatest displacement; 4 particles a cell unless said, no
-artificial viscosity, cfl = 0.2. The errors are in
+material moves out and back, so that at A = 0.1 a particle crosses up to 26 cells of 256. Greatest error in the run over
+the greatest displacement; 4 particles per cell unless stated, no artificial viscosity, cfl = 0.2. The errors are in
 doc/theory/verification.md.
 
-A whole period doubles these errors: they are an error of the phase. Others than ddmp run with the
-stress update of ddmp and flip = 1; with their defaults the picture is the same but for cpgimp and
-cpdi, whose errors grow at 256 cells.
+A whole period doubles these errors: they are phase errors. Methods other than ddmp run with the stress update of ddmp
+and flip = 1; with their defaults the results are similar except for cpgimp and cpdi, whose errors grow at 256 cells.
 
-Limits. Errors: the dispersion of the schemes in closed form (test/support/manufactured.py). At A = 1e-4, where nothing
-crosses, it must be met within 5 % by linear functions, splines and boxes, and is a bound for ddmp, whose weight of the
-mean gradient lies in between. At A = 0.1 cells are stretched by up to 1 + pi A and it is a bound for all that converge.
-Orders: 1.9 for 2 where particles do not cross or the scheme takes no notice (1.85 and 1.8 with few cells or few
-particles a cell). Methods whose force jumps when particles cross must be seen to fail: their errors grow with finer
-cells (linear, gimp), or do not fall by half (quadratic), and are greater than that of the default at 128 cells.
+Limits. Errors: the dispersion of the schemes in closed form (test/support/manufactured.py). At A = 1e-4, where no
+particle crosses a cell face, it must be met within 5 % by linear functions, splines and boxes, and is a bound for ddmp,
+whose weight of the mean gradient is in between. At A = 0.1 cells are stretched by up to 1 + pi A and it is a bound for
+all methods that converge. Orders: 1.9 instead of 2 where particles do not cross or crossing has no effect on the scheme
+(1.85 and 1.8 with few cells or few particles per cell). Methods whose force jumps at crossings must fail: their errors
+grow with finer cells (linear, gimp), or do not fall by half (quadratic), and are greater than that of the default at
+128 cells.
 """
 # tiers: smoke, full, long
 # timeout: 300
@@ -32,14 +31,14 @@ import pytest
 import manufactured
 import measured
 
-STIFF = (1.0 - 0.3) / ((1.0 + 0.3) * (1.0 - 2.0 * 0.3))   # modulus of a pressure wave over that of Young, nu = 0.3
+STIFF = (1.0 - 0.3) / ((1.0 + 0.3) * (1.0 - 2.0 * 0.3))   # modulus of a pressure wave over Young's modulus, nu = 0.3
 WIDE = (16, 32, 64, 128, 256)
 SHORT = (16, 32, 64, 128)
 FULL = pytest.mark.tiers("full", "long")
 
 
 def judge_default(options, sheet):
-    """The default keeps its error small however fine the grid."""
+    """The error of the default is small on all grids."""
     line = manufactured.waves(options, "default", cells=WIDE)
     sheet.below("default: error at 64 cells", line.error(64), manufactured.dispersion("ddmp", 64, amplitude=0.1))
     sheet.above("default: order from 16 to 64", line.order(16, 64), 1.9)
@@ -50,7 +49,7 @@ def judge_default(options, sheet):
 
 @FULL
 def test_control(options, sheet):
-    """Second order throughout with the control variate."""
+    """Second order on all grids with the control variate."""
     for ppc in (4, 2):
         line = manufactured.waves(options, "control", words=manufactured.CONTROL, ppc=ppc, cells=WIDE)
         sheet.above(f"control, {ppc} a cell: order by least squares", line.fit(16, 256), 1.9)
@@ -60,7 +59,7 @@ def test_control(options, sheet):
 
 
 def judge_others(options, sheet, default):
-    """Which methods this case breaks, and which not."""
+    """Methods that fail in this case, and methods that do not."""
     lines = {basis: manufactured.waves(options, basis, "mpm",
                                        f"basis='{basis}'  {manufactured.PLAIN}", cells=SHORT)
              for basis in ("linear", "gimp", "quadratic", "cpgimp", "cpdi", "cubic")}
@@ -118,7 +117,7 @@ def test_table(options, sheet):
 
 @FULL
 def test_middle(options, sheet):
-    """Few crossings: the amplitude is 5 cells of 256."""
+    """Few crossings: the amplitude is 5 of 256 cells."""
     for name, words in (("middle default", ""), ("middle control", manufactured.CONTROL)):
         for ppc in (4, 2):
             line = manufactured.waves(options, name, words=words, amplitude=0.02, ppc=ppc, cells=SHORT)
@@ -127,7 +126,7 @@ def test_middle(options, sheet):
 
 @FULL
 def test_cube(options, sheet):
-    """Three waves that are not in step, for a sixth of a period; 2 x 2 x 2 particles a cell."""
+    """Three waves with different phases, for a sixth of a period; 2 x 2 x 2 particles per cell."""
     limit, _ = manufactured.forced("ddmp", 24, math.pi / 3.0, STIFF, 0.05)
     for name, words in (("cube default", ""), ("cube control", manufactured.CONTROL)):
         cube = manufactured.waves(options, name, words=words, amplitude=0.05, cells=(6, 12, 24), ppc=2,
@@ -138,7 +137,7 @@ def test_cube(options, sheet):
 
 @pytest.mark.tiers("smoke")
 def test_few(options, sheet):
-    """What the tier smoke has time for."""
+    """The runs of the tier smoke."""
     line = manufactured.waves(options, "default", cells=(16, 32))
     for cells in (16, 32):
         sheet.below(f"default: error at {cells} cells", line.error(cells),
@@ -148,5 +147,5 @@ def test_few(options, sheet):
 
 @FULL
 def test_waves(options, sheet):
-    """The default, and others beside it."""
+    """The default, and other methods."""
     judge_others(options, sheet, judge_default(options, sheet))

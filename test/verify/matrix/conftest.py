@@ -3,7 +3,7 @@
 
 
 def pytest_addoption(parser):
-    """A table for the documents, and a part of it."""
+    """A file for the table of the documents, and a selection of methods."""
     group = parser.getgroup("matrix of methods")
     group.addoption("--write", metavar="FILE", help="file for the table of doc/theory/matrix_of_methods.md")
     group.addoption("--only", metavar="WORD", help="only the methods with this word in their names")

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every method, basis, transfer and order of the stress update flies a bar and throws two discs.
+"""Every method, basis, transfer and stress update for a flying bar and two colliding discs.
 
-Would catch: a combination that stops to run or to fail, loses momentum, or changes its energy beyond its class. The
-table is in doc/theory/methods_compared.md.
+Would catch: a combination that no longer runs, or no longer fails as documented, loses momentum, or changes its energy
+beyond the limit of its class. The table is in doc/theory/methods_compared.md.
 
 The problems are those of the tests free_bar and two_discs (cells of 0.5 m and of 0.025 m), without
 artificial viscosity. A figure is the change of energy over that at the start, in percent: of the vibration of the
-bar, of both discs. A run that ends with an error, or makes ten thousand steps, which is ten times what others
-need, is `x`, one with more than a hundred times its energy `large`: both have failed.
+bar, of both discs. A run that ends with an error, or makes ten thousand steps, ten times as many as other runs need, is
+`x`; one with more than a hundred times its initial energy is `large`: both have failed.
 
-Every run is judged. Momentum: 1e-13 for all that end, but with the local stress difference (lsd) at the free ends of
-the bar, where every node has a mean stress of its own ((Q.5) of doc/theory/quadratures.md): a known miss, held at a
-thousandth. Failures are listed by name with their reason (`reason`): a new one fails the test, and so does a listed
-one that runs. Energy, by class:
+Every run is checked. Momentum: 1e-13 for all that end, except with the local stress difference (lsd) at the free ends
+of the bar, where every node has a separate mean stress ((Q.5) of doc/theory/quadratures.md): a known miss, held at a
+thousandth. Failures are listed by name with their reason (`reason`): a new one fails the test, and so does a listed one
+that runs. Energy, by class:
 
 bar, all but PIC    target 1 % (test_free_bar.py)
 bar, PIC            each step multiplies the velocities by the square of the transform of the functions, so with kinetic
@@ -22,12 +22,12 @@ bar, PIC            each step multiplies the velocities by the square of the tra
                     the loss
 discs               target 2 % (test_two_discs.py)
 
-What misses its target is listed by transfer, update and method. A listed miss may be a fifth of the energy; that of
-PIC, which filters, all of it; that of the bar with the local stress difference (lsd) twice its target; that of the bar
-with the plain method, whose force jumps at faces, a hundred times the energy. A listed miss that meets its target
-fails the test, too.
+Combinations that miss their target are listed by transfer, update and method. The limits of listed misses are: a fifth
+of the energy; with PIC, which filters, all of it; for the bar with the local stress difference (lsd) twice its target;
+for the bar with the plain method, whose force jumps at cell faces, a hundred times the energy. A listed miss that meets
+its target fails the test, too.
 
-`--write FILE` puts the table into a file, `--only WORD` takes the methods whose name holds a word.
+`--write FILE` writes the table to a file, `--only WORD` selects the methods whose name contains a word.
 """
 # tiers: long
 # timeout long: 7200
@@ -46,12 +46,12 @@ STEPS = 10000
 LARGE = 100.0                          # of the energy at the start
 PLAIN = "mpm linear"
 LOCAL = "ddmp lsd"
-# what (p + 1)/12 is for PIC on the bar, whose particles are half a cell wide
+# used for (p + 1)/12 with PIC on the bar, whose particles are half a cell wide
 FADES = {"ddmp point": 2 / 12, "ddmp control": 2 / 12, "ddmp lsd": 2 / 12, "ddmp sub_points": 2 / 12 + 0.25 / 12,
          "mpm gimp": 2 / 12 + 0.25 / 12, "mpm cpgimp": 2 / 12 + 0.25 / 12, "mpm cpdi": 2 / 12 + 0.25 / 4,
          "mpm quadratic": 3 / 12, "mpm cubic": 4 / 12}
 ALL = (PLAIN, *FADES)
-# Misses of the target of the discs, by transfer and update: methods.
+# Misses of the target of the discs by transfer and update: lists of methods.
 DISCS = {("flip", "usl"): ALL, ("flip", "usf"): (PLAIN,),
          ("aflip", "usl"): ("mpm cpdi", "mpm quadratic", "mpm cubic"), ("aflip", "usf"): ("mpm quadratic", "mpm cubic"),
          ("aflip", "musl"): (PLAIN, "mpm quadratic", "mpm cubic"),
@@ -62,7 +62,7 @@ DISCS = {("flip", "usl"): ALL, ("flip", "usf"): (PLAIN,),
 
 
 def reason(kind, transfer, update, problem):
-    """Why a combination is expected to fail; empty if it is not."""
+    """Reason why a combination is expected to fail; empty if it is not."""
     if kind == PLAIN and transfer in ("apic", "aflip") and (problem, update) != ("discs", "musl"):
         return "whole linear fields on linear functions gain energy without bound, as the program warns"
     if kind == PLAIN and update == "usl" and problem == "discs":
@@ -71,7 +71,7 @@ def reason(kind, transfer, update, problem):
 
 
 def misses(kind, transfer, update, problem):
-    """Whether a combination is known to miss its target."""
+    """True if a combination is known to miss its target."""
     if problem == "discs":
         return kind in DISCS.get((transfer, update), ())
     if kind == PLAIN:
@@ -80,7 +80,7 @@ def misses(kind, transfer, update, problem):
 
 
 def kinds(options):
-    """Names of the methods: words of &run and &method; rules and bases as the program lists them."""
+    """Names of the methods: keys of &run and &method; rules and bases in the order of the program's lists."""
     listed = case.Case(options, "template", "").run("--template").output.split("\n")
     found = {}
     for key, method in (("quadrature", "ddmp"), ("basis", "mpm")):
@@ -91,7 +91,7 @@ def kinds(options):
 
 
 def failed(result):
-    """Whether a run has failed."""
+    """True if a run has failed."""
     return bool(result["code"]) or not abs(result["energy"]) < LARGE
 
 
@@ -103,7 +103,7 @@ def cell(result):
 
 
 def measure(options, figures, only):
-    """The table; `figures` gets both results of all combinations."""
+    """The table; `figures` receives both results of all combinations."""
     lines = ["| method | transfer | " + " | ".join(f"bar {word}" for word in UPDATES) + " | "
              + " | ".join(f"discs {word}" for word in UPDATES) + " |", "|---" * 8 + "|"]
     for kind, (method, own) in kinds(options).items():
@@ -123,7 +123,7 @@ def measure(options, figures, only):
 
 
 def judge(sheet, key, result, worst):
-    """One run; `worst` gets the known misses by problem, transfer and whether the method is plain."""
+    """One run; `worst` receives the known misses by problem, transfer and whether the method is plain."""
     kind, transfer, update, problem = key
     label = f"{problem}, {kind} {transfer} {update}"
     why, has_failed = reason(*key), failed(result)

@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One point along paths of strain, against another integration of the written equations.
+"""One point along strain paths, against another integration of the documented equations.
 
-Would catch: a rate of flow, a share of heat, a triaxiality or a sign that is wrong in one law; a shear modulus that
-does not follow pressure; steps that are not of first order at least; work that goes to the wrong place.
+Would catch: a flow rate, a heat fraction, a triaxiality or a sign that is wrong in one law; a shear modulus that does
+not depend on the pressure; steps that are not at least of first order; work that is recorded as the wrong kind.
 
-`scree --point` returns to the yield surface with implicit steps. Here Johnson and Cook is a differential equation,
-rate
-of flow by stress, solved by Runge and Kutta; p-alpha and Tillotson are isentropes, solved likewise; cracks are a
-series of
-column and opening. Steinberg and
-Guinan and JH-2 are stepped with ten times as many steps, the former by means of both ends. Each path is run with
-three
-numbers of steps: the error must be small with the most, and fall with first order, that of the energy alone with
-second. Where
-flow begins anew within a step, at a rate that jumps (copper released), the order is 0.65 and the error 7e-5.
+`scree --point` returns to the yield surface with implicit steps. Here the law of Johnson and Cook is a differential
+equation, the flow rate as a function of the stress, solved by a Runge-Kutta method; p-alpha and Tillotson are
+isentropes, solved likewise; cracks are an elastic column and an opening in series. Steinberg and Guinan and JH-2 are
+stepped with ten times as many steps, the former with means of both ends. Each path is run with three numbers of steps:
+the error must be small with the most, and decrease with first order, that of the energy alone with second. Where flow
+begins again within a step, at a rate that jumps (copper released), the order is 0.65 and the error 7e-5.
 """
 
 import subprocess
@@ -82,7 +78,7 @@ def drive(options, name, deck, path, steps):
 
 
 def runge_kutta(slopes, state, end, steps, keep):
-    """March from 0 to an end; the state at `keep` + 1 evenly spaced times."""
+    """Integrate from 0 to an end; the state at `keep` + 1 evenly spaced times."""
     step, rows = end / steps, [state]
     for number in range(steps):
         time = number * step
@@ -96,7 +92,7 @@ def runge_kutta(slopes, state, end, steps, keep):
 
 
 def flow_rate(stress, strain, temperature):
-    """Rate at which copper flows under an equivalent stress: the law of Johnson and Cook, solved for the rate."""
+    """Rate of plastic flow of copper under an equivalent stress: the law of Johnson and Cook, solved for the rate."""
     k = COPPER
     hot = min(1.0, max(0.0, (temperature - k["room"]) / (k["melt"] - k["room"])))
     static = (k["a"] + k["b"] * max(strain, 0.0) ** k["n"]) * (1.0 - hot ** k["m"])
@@ -130,7 +126,8 @@ def copper_shear(rate, end, steps, keep):
 
 
 def copper_strain(rate, end, steps, keep, returns):
-    """Uniaxial strain, and back: axial deviator, plastic strain, temperature, energy, damage, logarithm of volume."""
+    """Uniaxial strain, loading and unloading: axial deviator, plastic strain, temperature, energy, damage, logarithm of
+    volume."""
     g, density = COPPER["shear"], EOS.density
 
     def slopes_at(pace):
@@ -157,7 +154,7 @@ def copper_strain(rate, end, steps, keep, returns):
 
 
 def steinberg(end, steps, keep):
-    """Uniaxial strain of copper of Steinberg and Guinan by steps of the midpoint, and back."""
+    """Uniaxial strain of copper with Steinberg and Guinan by the midpoint rule, loading and unloading."""
     k, density = STEINBERG, EOS.density
     deviator, plastic, temperature, energy, logarithm, pressure = 0.0, 0.0, 300.0, 0.0, 0.0, 0.0
     rows = [(0.0, 0.0, 0.0, 300.0)]
@@ -191,7 +188,7 @@ def steinberg(end, steps, keep):
 
 
 def isentrope(pressure, end, steps, keep):
-    """Energy along a change of the logarithm of the volume."""
+    """Energy as the logarithm of the volume changes."""
     def slopes(time, state):
         return np.array([-pressure(np.exp(time), state[0]) * np.exp(time)])
 
@@ -201,7 +198,7 @@ def isentrope(pressure, end, steps, keep):
 
 
 def porous(ratio, energy):
-    """Pressure of p-alpha on the way of crushing times the volume at rest per mass."""
+    """Pressure of p-alpha during crushing, times the volume at rest per mass."""
     solid = shocks.Metal("al", 2785.0, 5328.0, 1.338, 2.0)
     first, density = 2785.0 / 2000.0, 2000.0 / ratio
 
@@ -228,7 +225,8 @@ def tillotson(ratio, energy):
 
 
 def glass(end, steps, keep):
-    """Glass of JH-2 in uniaxial strain and back, by many steps: stress along x, damage, pressure of bulking."""
+    """Glass with JH-2 in uniaxial strain, loading and unloading, in many steps: stress along x, damage, pressure of
+    bulking."""
     k1, k2, k3, g, unit = 45.4e9, -138.0e9, 290.0e9, 30.4e9, 1.5 * (5.95e9 - 2.92e9)
     factor = 1.0 + 0.003 * np.log(2.0 / 3.0 * 1.0e5)
 
@@ -260,7 +258,7 @@ def glass(end, steps, keep):
 
 
 def compare(options, sheet, name, deck, path, right, counts, limit, least=0.9, floor=1.0e-8):
-    """Errors of columns over their greatest size, for three numbers of steps; all must be small and fall."""
+    """Errors of columns over their greatest values, for three numbers of steps; all must be small and decrease."""
     columns = list(right)
     keep = len(right[columns[0]]) - 1
     found = []
@@ -277,7 +275,7 @@ def compare(options, sheet, name, deck, path, right, counts, limit, least=0.9, f
 
 def test_crack(options, sheet):
     """Concrete in uniaxial strain, pulled and released: an elastic column in series with a crack whose opening
-    is found by halving an interval. A crack in a point is as wide as its cell of 1 mm."""
+    is found by bisection. A crack in a point has the width of its cell of 1 mm."""
     bulk, shear, strength, energy, width = 20.0e9, 15.0e9, 3.0e6, 1.0, 1.0e-3
     axial, lateral = bulk + 4.0 / 3.0 * shear, bulk - 2.0 / 3.0 * shear
     end, keep = 4.0e-4, 40
@@ -300,8 +298,8 @@ def test_crack(options, sheet):
 
 
 def test_delay(options, sheet):
-    """Glass that fails by the time and size of its load, pulled and released: the load grows and falls evenly, and
-    the damage is the integral of a power, exact in few steps of which two cross the strength."""
+    """Glass whose failure depends on duration and size of its load, pulled and released: the load is piecewise linear
+    in time, and the damage is the integral of a power, exact in few steps of which two cross the strength."""
     axial, rate, keep = 36.0e9 + 4.0 / 3.0 * 26.0e9, 1.0e5, 33
     for model, unit in (("damage_model='principal_stress'  failure_stress=1.5e8", 1.5e8 / axial),
                         ("damage_model='principal_strain'  failure_strain=2e-3", 2.0e-3)):
@@ -316,7 +314,7 @@ def test_delay(options, sheet):
 
 
 def test_break_copper(options, sheet):
-    """Copper is pulled until it fails: the strain at which it does, and what it bears then."""
+    """Copper is pulled until it fails: the strain at failure, and the stress afterwards."""
     rows = copper_strain(1.0e4, 1.2, 16000, 16000, False)
     right = float(np.interp(1.0, rows[:, 4], rows[:, 5]))
     table = drive(options, "break", JOHNSON_COOK.format(**DAMAGE), "path='uniaxial_strain'  rate=1e4  strain=1.2", 4000)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Bars of Al-2024 hit a rigid wall in one dimension: the states behind the shocks.
 
-Would catch: a wrong equation of state or energy in it, work by another stress than that of the
-force, artificial viscosity that is not Galilean or not counted, a wall that is not rigid, a dual
-gradient that pulls at the free end behind.
+Would catch: a wrong equation of state or energy in it, work of another stress than that of the force, artificial
+viscosity that is not Galilean invariant or not recorded, a wall that is not rigid, a dual gradient that exerts a force
+at the free rear end.
 
 Closed solutions: Rankine-Hugoniot with Us = c0 + s up, gamma rho constant, and the two jumps of an
 elastic-plastic solid, computed here from the constants of the material.
-Limits: plateau pressure 1 %, density 0.3 %, shock speed 1 %, velocity of the free end 1.1 % at 400 m/s, which is what
-waves of a linear method make there, and 1e-4 at 3350 m/s, where no signal can reach it. Solid: elastic limit 2 %,
+Limits: plateau pressure 1 %, density 0.3 %, shock speed 1 %, velocity of the free end 1.1 % at 400 m/s, the effect of
+the waves of a linear method there, and 1e-4 at 3350 m/s, where no signal can reach it. Solid: elastic limit 2 %,
 plastic stress 0.5 %, density 0.3 %, speeds 1 %, with bulk_q1 = 0.5. Energy and momentum: rounding. The solid with the
-default 0.06, where particles ring behind the weaker plastic shock, and the plain method, where they ring behind all
-shocks, miss some of these: known misses, held at 5 %.
+default 0.06, where particles oscillate behind the weaker plastic shock, and the plain method, where they oscillate
+behind all shocks, miss some of these: known misses, held at 5 %.
 """
 # tiers: smoke, full
 # timeout: 120
@@ -60,7 +60,7 @@ def pressure(density, energy):
 
 
 def solve(function, low, high):
-    """Root between two places of different sign."""
+    """Root between two positions with values of different sign."""
     sign = function(low) > 0.0
     for _ in range(200):
         middle = 0.5 * (low + high)
@@ -81,13 +81,13 @@ def precursor():
 
 
 def plastic(speed):
-    """Density, stress and speed, seen from the bar at rest, of the wave behind the precursor."""
+    """Density, stress and speed, relative to the bar at rest, of the wave behind the precursor."""
     before = precursor()
 
     def state(density):
         jump = 1.0 / before["density"] - 1.0 / density
         energy = before["energy"]
-        for _ in range(100):   # contracts fast: gamma jump / 2 is small
+        for _ in range(100):   # converges fast, because gamma jump / 2 is small
             stress = pressure(density, energy) + 2.0 / 3.0 * YIELD
             energy = before["energy"] + 0.5 * (stress + before["stress"]) * jump
         return stress, jump
@@ -104,7 +104,7 @@ def plastic(speed):
 
 
 def front(places, stress, level):
-    """The outermost place where the stress falls through a level."""
+    """The outermost position where the stress falls below a level."""
     last = np.flatnonzero(stress > level)[-1]
     share = (stress[last] - level) / (stress[last] - stress[last + 1])
     return places[last] + share * (places[last + 1] - places[last])
@@ -128,7 +128,7 @@ def strike(options, name, speed, end, solid, words, method="ddmp", cfl=0.4):
 
 
 def plateau(places, fields, low, high):
-    """Mean and scatter of minus the axial stress, and density, between two places."""
+    """Mean and scatter of minus the axial stress, and density, between two positions."""
     here = (places > low) & (places < high)
     stress = -fields["stress"][here, 0]
     density = fields["mass"][here].sum() / fields["volume"][here].sum()
@@ -141,7 +141,7 @@ MISSES = {"fluid_400_mpm": ("pressure",), "fluid_3350_mpm": ("density",),
 
 
 def compare(sheet, name, label, value, exact, limit):
-    """A value against the closed one; some are known to miss."""
+    """A value against the closed solution; some are known misses."""
     if label in MISSES.get(name, ()):
         sheet.known(f"{name}: {label}, error", value / exact - 1.0, limit=0.05, target=limit)
     else:
@@ -154,7 +154,7 @@ def fluid(options, sheet, name, speed, end, words=SMOOTH, method="ddmp", cfl=0.4
     shock, stress, density = hugoniot(speed)
     fronts = [front(places, -fields["stress"][:, 0], 0.5 * stress) for _, places, fields in states]
     _, places, fields = states[1]
-    # the first 15 cells, shortened, hold the heated wall, the last 10 the width of the shock
+    # the first 15 cells, shortened, contain the heated wall, the last 10 the width of the shock
     got = plateau(places, fields, 1.5e-3 * DENSITY / density, fronts[1] - 1.0e-3)
     pace = (fronts[1] - fronts[0]) / (states[1][0] - states[0][0]) + speed
     free = abs(fields["velocity"][-1, 0] / -speed - 1.0)
@@ -200,7 +200,7 @@ def solid(options, sheet, name, words=SMOOTH, method="ddmp"):
 
 
 def test_closed(sheet):
-    """The closed solutions against numbers computed elsewhere."""
+    """The closed solutions against values computed independently."""
     sheet.near("closed solution: pressure at 400 m/s", hugoniot(400.0)[1], 6.53160e9, 1.0e-5)
     sheet.near("closed solution: precursor stress", precursor()["stress"], 0.635879e9, 1.0e-5)
     sheet.near("closed solution: plastic stress", plastic(400.0)["stress"], 6.635879e9, 1.0e-5)
@@ -215,7 +215,7 @@ def test_closed(sheet):
     pytest.param("_mpm", {"method": "mpm"}, marks=FULL),
 ], ids=["usual", "fine_step", "smooth", "mpm"])
 def test_fluid(options, sheet, speed, end, name, more):
-    """Two speeds; the plain method and other viscosities beside the default."""
+    """Two speeds; the plain method and other viscosities in addition to the default."""
     fluid(options, sheet, f"fluid_{speed}{name}", speed, end, **more)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The shock in front of a rigid wall gets thinner with the cells.
+"""The shock in front of a rigid wall becomes thinner with the cell size.
 
-Would catch: artificial viscosity that does not scale with the cell, a wall that heats more and more of the
-bar, a shock of the wrong speed: the error would not fall.
+Would catch: artificial viscosity that does not scale with the cell size, a wall that heats more and more of the bar, a
+shock of the wrong speed: the error would not decrease.
 
 Bars of Al-2024 at 400 m/s of test_piston.py. Error: sum of |rho - exact| times volume, over the length of the
 shocked bar and the jump of the density, for cells of 0.2, 0.1 and 0.05 mm; the fluid against the shock of
@@ -10,14 +10,14 @@ Rankine and Hugoniot, the solid against precursor and plastic shock. A shock is 
 cells, so the best order is 1.
 
 The density is that of the four particles that began in one cell together. Single particles keep a scatter
-of 3 % of the jump behind the shock, which does not fall with the cells (the order seen with them is 0.4, both
-are printed); their mean is right to 1e-4. The solid has bulk_q1 = 0.5 as in test_piston.py; with the default it rings
-between the two shocks.
+of 3 % of the jump behind the shock, which does not decrease with the cell size (the order computed from them is 0.4,
+both are printed); their mean has an error of 1e-4. The solid has bulk_q1 = 0.5 as in test_piston.py; with the default
+it oscillates between the two shocks.
 
-Limits. Ratio of the errors of a halving: at most 2**(-1/2) = 0.71, as the heated wall is a contact, which schemes of
-first order resolve at order 1/2. The mean of a cell must be better than single particles. Error of the finest run: the
-scatter of 3 % that single particles have. The solid with the default viscosity, which rings, misses the second ratio:
-a known miss; its error must fall.
+Limits. Ratio of the errors for half the cell size: at most 2**(-1/2) = 0.71, as the heated wall is a contact
+discontinuity, which schemes of first order resolve at order 1/2. The mean of a cell must be more accurate than single
+particles. Error of the finest run: the scatter of 3 % of single particles. The solid with the default viscosity, which
+oscillates, misses the second ratio: a known miss; its error must decrease.
 """
 # tiers: smoke, full
 
@@ -78,7 +78,7 @@ def test_rate(options, sheet, name, solid, words):
     measured.record(f"{name}.order", dict(enumerate(-np.log2(ratios))))
     sheet.below(f"{name}: first ratio of the errors of the density", ratios[0], ORDER_HALF)
     worst = max(one / two for one, two in errors)
-    if name == "fluid":     # pressures in a cell are brought together: its mean has nothing to average
+    if name == "fluid":     # pressures in a cell are relaxed to each other, so the mean over a cell has no effect
         sheet.known(f"{name}: error of cells over that of particles", worst, limit=1.1, target=1.0)
     else:
         sheet.below(f"{name}: error of cells over that of particles", worst, 1.0)

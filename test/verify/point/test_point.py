@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""scree --point: one material along a path, against the same equations integrated here.
+"""scree --point: one material along a path, against an integration of the same equations here.
 
-Would catch: a deck for a point that wants a scene, a preset that does not reach the law, a file that
-is not that of the path, JH-2 with a wrong constant, voids that cost work.
+Would catch: a deck for a point that needs a scene, a preset that does not reach the law, a file that is not that of the
+path, JH-2 with a wrong constant, voids that require work.
 """
 # tiers: smoke
 

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rigid regions and parts of faces: a piston, a slope that rubs, a wall at an angle, a gate, a table, an opening.
+"""Rigid regions and parts of boundaries: a piston, a slope with friction, an inclined wall, a gate, a table of motion,
+an opening.
 
-Would catch: a region that is left behind or overtaken, a velocity that is imposed half a step late, a normal that
-is off or points inwards, the seam of two regions or the side of a region on a face of the box taken for a surface,
-walls that pull, friction from a wrong pressure, impulse or work that is not booked, a region that stays after t_off,
-a way that is not the integral of the table, an opening that is as wide as its face or closed.
+Would catch: a region that moves too slowly or too fast, a velocity that is imposed half a step late, a normal that is
+wrong or points inwards, the seam of two regions or the side of a region on a boundary of the domain taken for a
+surface, walls that pull, friction from a wrong pressure, impulse or work that is not recorded, a region that still acts
+after t_off, a displacement that is not the integral of the table, an opening that is as wide as its boundary or closed.
 
-Limits. Piston: those of test_piston.py, also for the pressure against that of a face; a wall between nodes counts at
-the node next to it, so up to half a cell of the way of 10 cells is lost, and as much of the work. Slope: target 1e-3
-of g (H-26 in test/hard/README.md); a block that rests starts without stress and may slip while it bounces, by the
-time that a wave takes through it, L/c = 0.2 m/42 m/s, over the time of the run. Bounce: see there.
+Limits. Piston: those of test_piston.py, also for the pressure compared with that on a boundary; a wall between nodes
+acts at the node next to it, so up to half a cell of the displacement of 10 cells is lost, and the same fraction of the
+work. Slope: target 1e-3 of g (H-26 in test/hard/README.md); a block at rest starts without stress and may slip while it
+bounces, for the time in which a wave crosses it, L/c = 0.2 m/42 m/s, relative to the time of the run. Bounce: see
+there.
 """
 # timeout: 120
 
@@ -70,15 +72,15 @@ HALVES = """
 
 
 def books(sheet, name, run, energy=1.0e-12):
-    """Momentum with the booked impulse, energy with the booked work."""
+    """Momentum with the recorded impulse, energy with the recorded work."""
     ledger = run.summary["ledger"]
     sheet.below(f"{name}: momentum error", ledger["momentum_error"], 1.0e-13)
     sheet.below(f"{name}: energy error", ledger["energy_error"], energy)
 
 
 def test_hammer(options, sheet):
-    """A hammer of 400 m/s into a bar at rest: the shock of Rankine and Hugoniot, the state that test_piston finds on
-    a face at rest (limits from there), and work that is the pressure times the way."""
+    """A piston of 400 m/s hits a bar at rest: the shock of Rankine and Hugoniot, the state that test_piston finds at a
+    boundary at rest (limits from there), and work that is the pressure times the displacement."""
     shock, stress, density = test_piston.hugoniot(400.0)
     moving = "&boundary region='hammer' type='{}' velocity=0.4,0,0 /"
     plates = {}
@@ -120,8 +122,8 @@ def test_hammer(options, sheet):
 
 
 def test_slope(options, sheet):
-    """An elastic block slides with g (sin - mu cos) on a halfspace, on two regions side by side that make the same
-    halfspace, and rests where the friction is enough."""
+    """An elastic block slides with g (sin - mu cos) on a half space, on two adjacent regions that form the same half
+    space, and sticks where the friction is sufficient."""
     for name, angle, friction, ground, limit in (
             ("smooth", 25.0, 0.0, WHOLE, 1.0e-3), ("rough", 25.0, 0.3, WHOLE, 1.0e-3),
             ("steep", 40.0, 0.3, WHOLE, 1.0e-3), ("halves", 25.0, 0.3, HALVES, 1.0e-3),
@@ -147,11 +149,12 @@ def test_slope(options, sheet):
 
 
 def test_bounce(options, sheet):
-    """A disc that is turned aside by a smooth wall at 30 degrees: nothing along the wall, no spin, and back again.
+    """A disc that is deflected by a smooth wall at 30 degrees: no force along the wall, no rotation, and deflected back
+    again.
 
-    A disc of rubber rings after it bounced, so its speed normal to the wall is less; the energy stays. The nodes of the
-    wall stand in steps of a cell, and a disc that is dented by half a cell feels them: its spin is 0.069 of radius
-    times speed here, and with cells of 20, 10, 5 and 2.5 mm against a normal blow 0.10, 0.057, 0.011 and -0.002.
+    A rubber disc vibrates after the impact, so its speed normal to the wall is less; the energy is conserved. The nodes
+    of the wall form steps of a cell, which affect a disc that is indented by half a cell: its rotation is 0.069 of
+    radius times speed here, and with cells of 20, 10, 5 and 2.5 mm after a normal impact 0.10, 0.057, 0.011 and -0.002.
     """
     turn = np.radians(30.0)
     normal, along = np.array([np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), -np.sin(turn)])
@@ -178,7 +181,7 @@ def test_bounce(options, sheet):
 
 
 def test_gate(options, sheet):
-    """A block on a plate, or on a closed face, which goes at 0.1 s: at rest before, in free fall after."""
+    """A block on a plate, or on a closed boundary, which disappears at 0.1 s: at rest before, in free fall after."""
     block = """
 &region  name='block'  shape='box'  lo=0.5,0,0.4  hi=0.9,1,0.6 /
 &body  name='block'  region='block'  material='m'  ppc=2,1,2 /
@@ -210,7 +213,7 @@ def test_gate(options, sheet):
 
 
 def test_table(options, sheet):
-    """A body in the midst of a rigid region goes where the table leads, and a face pushes as a table says."""
+    """A body inside a rigid region follows the table of the region, and a boundary moves by its table."""
     walls = """
 &region  name='block'  shape='box'  lo=0.5,0,0.4  hi=0.7,1,0.6 /
 &body  name='block'  region='block'  material='m'  ppc=2,1,2 /
@@ -232,7 +235,7 @@ def test_table(options, sheet):
 
 
 def test_opening(options, sheet):
-    """A closed face with an opening in its middle, and a part of it that sticks in an opening."""
+    """A closed boundary with an opening in its middle, and a part of it that sticks within an opening."""
     walls = """
 &region  name='block'  shape='box'  lo=0.3,0,0  hi=1.3,1,0.1 /
 &body  name='block'  region='block'  material='m'  ppc=2,1,2  velocity=0,0,-1 /

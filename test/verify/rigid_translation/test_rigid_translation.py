@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A block without stress flies through a periodic box: velocity and shape must not change.
 
-Would catch: a particle lost, doubled or put into the wrong cell when it crosses a cell, tile or
-periodic face; node values of one tile that differ from those of its neighbour; velocity that decays
-in the transfer; gradients that are not zero for a uniform velocity (partition of unity, free
-surfaces with nearly empty cells).
+Would catch: a particle lost, duplicated or assigned to the wrong cell when it crosses a cell, tile or periodic
+boundary; node values of one tile that differ from those of its neighbour; velocity that decays in the transfer;
+gradients that are not zero for a uniform velocity (partition of unity, free surfaces with nearly empty cells).
 
-Limits: velocity, places, volume and stress over modulus 1e-12. The way flown may be off by the
-rounding of the time, which is the same in every step as long as the step is: 2**-52 a step. The
-velocity is of the order of the wave speed, so that cells are crossed in a usual number of steps.
+Limits: velocity, positions, volume and stress over modulus 1e-12. The distance may be off by the rounding of the time,
+which is the same in every step of the same length: 2**-52 per step. The velocity is of the order of the wave speed, so
+that cells are crossed in a usual number of steps.
 
 The dual domain method runs with its defaults. The plain method updates the stress with velocities
-mapped anew (musl): with usl a node that is nearly empty gets a force that its mass does not share,
-and the rounding of a free block in 3-D grew to the end of the run within 1700 crossings; the dual
-domain method has no force there, as its alpha is zero on the faces of cells.
+that are mapped again (musl): with usl a node that is nearly empty gets a force that is too large for its mass, and
+rounding errors of a free block in 3-D grew until the run stopped within 1700 crossings; the dual domain method has no
+force there, as its alpha is zero on cell faces.
 """
 # timeout: 200
 
@@ -57,7 +56,7 @@ WORDS = ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rfl
     *(("plane_strain", "mpm", "musl", 300, words + " basis='quadratic'") for words in WORDS),
 ])
 def test_fly(options, sheet, dimension, method, update, crossings, words):
-    """One flight; direction ratios are irrational, so that cells are crossed in any order."""
+    """One flight; the ratios of the velocity components are irrational, so that cells are crossed in any order."""
     direction = {"1d": (1.0, 0.0, 0.0), "plane_strain": (1.0, 0.0, -0.6180339887),
                  "3d": (1.0, 0.4142135624, -0.6180339887)}[dimension]
     velocity = SPEED * np.array(direction)

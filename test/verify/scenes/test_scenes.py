@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures in the READMEs of scenes are those that the program finds, and the gallery shows them.
+"""Figures in the READMEs of scenes agree with results of the program, and the gallery shows them.
 
 Would catch a change of the method that leaves old figures in a README, a scene without figures or that no longer
-runs, a comparison that takes anything for equal, a number that is renewed in the wrong place or not at all, a failed
-run that goes unnoticed, and a gallery that was not renewed. Tier full: the scenes of seconds; tier long: all that
-measure themselves, which takes about half an hour.
+runs, a comparison that accepts all differences, a number that is updated in the wrong position or not at all, a failed
+run that is not reported, and a gallery that is out of date. Tier full: the scenes that take seconds; tier long: all
+scenes with measured figures, which takes about half an hour.
 """
 # tiers: full, long
 # timeout: 900
@@ -31,8 +31,8 @@ SCENES = sorted(script.parent.name for script in (ROOT / "input").glob("*/measur
 
 @pytest.mark.parametrize("scene", tier.choose(SHORT, long=SCENES))
 def test_scene(options, sheet, scene):
-    """Run a scene and hold its README against it."""
-    shutil.rmtree(options.work / scene, ignore_errors=True)     # runs of another program of this version
+    """Run a scene and compare its README with the results."""
+    shutil.rmtree(options.work / scene, ignore_errors=True)     # runs of another program with the same version
     answer = subprocess.run(
         [sys.executable, ROOT / "input" / scene / "measure.py", "--scree", options.scree, "--out",
          options.work / scene, "--check"], capture_output=True, text=True, check=False)
@@ -41,7 +41,7 @@ def test_scene(options, sheet, scene):
 
 
 def test_comparison(sheet):
-    """What counts as a difference."""
+    """Differences that are accepted or reported."""
     told = "| plain | 0.025 | 1e-14 |\n| DDMP | 12.0 | stands |"
     for found, wrong, words in ((told, 0, "equal"), (told.replace("12.0", "12.1"), 0, "within the share"),
                                 (told.replace("1e-14", "3e-15"), 0, "rounding"),
@@ -53,7 +53,7 @@ def test_comparison(sheet):
 
 
 def refused(action, *words):
-    """Whether an action ends with an error that a user would see."""
+    """True if an action ends with an error message for the user."""
     try:
         action(*words)
     except ScreeError:
@@ -62,7 +62,7 @@ def refused(action, *words):
 
 
 def test_numbers(sheet):
-    """Which numbers of a text are renewed, and marks without a value or values without a mark."""
+    """Numbers of a text that are updated, marks without a value, and values without a mark."""
     told = "In 2 runs the front\nis <!--=front-->0.9<!--=--> of 1.1 m; <!--=seconds-->3<!--=--> s."
     now = scree_scene.with_numbers("README.md", told, {"front": "0.85", "seconds": None})
     sheet.require(now == told.replace("0.9", "0.85"), f"numbers: {now!r}")
@@ -71,7 +71,7 @@ def test_numbers(sheet):
 
 
 def test_documents(options, sheet):
-    """Old numbers in a table or a sentence make --check fail, and new ones are what --write would leave."""
+    """Old numbers in a table or a sentence make --check fail; --write would leave the new ones."""
     folder = options.work
     told = ("# A scene\n\nIt takes <!--=steps-->30<!--=--> steps.\n\n"
             "<!-- figures -->\n\n| a |\n| --- |\n| 1.5 |\n\n<!-- end of figures -->\n")
@@ -86,7 +86,7 @@ def test_documents(options, sheet):
 
 
 def test_failures(sheet):
-    """Which failed runs are results."""
+    """Failed runs that count as results."""
     scene = scree_scene.Study(__file__, {}, None, {}, may_fail={"bad": 4})
     for name, code, wrong in (("bad", 4, False), ("bad", 0, False), ("bad", 3, True), ("good", 4, True)):
         sheet.require(refused(scene.refuse_failed, study.Combination({}, "", name, code)) == wrong,
@@ -94,7 +94,7 @@ def test_failures(sheet):
 
 
 def test_complete(sheet):
-    """Each folder of a scene has figures, what makes them, and how long that takes."""
+    """Each scene folder has figures, the commands that make them, and the time that this takes."""
     folders = sorted(path.parent for path in (ROOT / "input").glob("*/README.md"))
     sheet.require(len(folders) > 8, f"{len(folders)} scenes are found")
     for folder in folders:

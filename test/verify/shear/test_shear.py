@@ -1,23 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Grains between two faces that move along themselves: the stress as the shear begins.
+"""Grains between two boundaries that move parallel to themselves: the stress at the start of the shear.
 
 Would catch: a Jaumann rate with the wrong sign or without the normal stresses, relaxation of a part of the
-stress only, faces with a velocity that do not drag or that push, periodic faces that lose stress.
+stress only, moving boundaries that do not shear or that compress, periodic boundaries that lose stress.
 
 D. Z. Zhang, R. M. Rauenzahn, J. Rheol. 41 (1997) 1275, with constant relaxation: rate g = 2 /s, G = 3 Pa,
-import pytest
 from rest. With W = g tau and A = G W/(1 + W2):
   s_xz = A [1 - exp(-t/tau) (cos gt - W sin gt)],  s_xx = A [W - exp(-t/tau) (W cos gt + sin gt)],
-so at 1.3 s and tau = 0.7 s 1.7686065 and 2.1380370 Pa. Errors are root mean squares over all particles, the
-greatest of 26 times, over G/2, the greatest stress that such a flow bears.
+  so at 1.3 s and tau = 0.7 s 1.7686065 and 2.1380370 Pa. Errors are root mean squares over all particles, the
+  greatest of 26 times, over G/2, the greatest stress that such a flow supports.
 
-Two ways to begin: `started` gives every layer its speed, so the flow is uniform and the formula holds to
-round-off (limit 1e-12); `driven` has grains at rest and moving faces, and waves between the faces that the
-formula does not know. The first of them has the stress sqrt(G rho) V, with V the speed of a face: 2.6 % of G/2 with
-5e-4 kg/m3. It fades while it is reflected; target 1 % over all times. Waves have no mean: the mean stress of all
-particles is right to 1e-3. Here tau = 0.35 s: above W = 1 the law has less stress for more shear, so that flows that
-are not quite uniform may split into bands. With GIMP, flip and `musl` noise grows: a known miss, held at a quarter of
-the greatest stress; with `usl` it does not.
+Two initial conditions: `started` gives every layer its velocity, so the flow is uniform and the formula is met to
+round-off (limit 1e-12); `driven` has grains at rest and moving boundaries, and waves between the boundaries that the
+formula does not include. The first of them has the stress sqrt(G rho) V, with V the speed of a boundary: 2.6 % of G/2
+with 5e-4 kg/m3. It decays while it is reflected; target 1 % over all times. The mean of waves is zero: the mean stress
+of all particles is correct to 1e-3. Here tau = 0.35 s: above W = 1 the law gives less stress for more shear, so that
+flows that are not quite uniform may split into bands. With GIMP, flip and `musl` noise grows: a known miss, held at a
+quarter of the greatest stress; with `usl` it does not grow.
 """
 # tiers: smoke, full
 
@@ -28,7 +27,7 @@ import measured
 
 
 def flow(options, name, *words, **more):
-    """One flow, shown."""
+    """One flow; prints its errors."""
     result = bodies.shear(options, name, *words, **more)
     measured.show(name, {key: result[key] for key in ("across", "along", "mean", "steps")})
     return result
@@ -60,7 +59,7 @@ def test_started(options, sheet):
     ("gimp_usl", ("mpm", "basis='gimp' stress_update='usl'")),
 ])
 def test_driven(options, sheet, name, words):
-    """The other beginning, and other methods beside it."""
+    """The second initial condition, and other methods."""
     result = flow(options, name, *words, density=5.0e-4)
     judge(sheet, name, result, 0.01)
     sheet.below(f"{name}: mean stress", result["mean"], 1.0e-3)

@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plates that meet, part, and break; waves at a jump of the impedance.
+"""Plates that collide, separate, and break; waves at a jump of the impedance.
 
-Would catch: stress or velocity that is not that of the impedances, a free surface that takes part of a wave, tension
-that a plate does not bear or bears beyond its strength, failed matter that still pulls, bodies that stick
+Would catch: stress or velocity that does not agree with the impedances, a free surface that absorbs part of a wave, a
+plate that does not support tension or supports it beyond its strength, failed material that still transmits tension,
+bodies that stick together, an interface of light and heavy material that moves with the wrong one.
  between light and heavy matter that follows the wrong one.
 
 All waves are acoustic: strains are below a thousandth, so stress and velocity jump as rho c. A flyer of
-thickness h meets a target of 2 h with the speed V: stress rho c V/2; the free surface of the target gets V from
-2 h/c on for 2 h/c, then 0 again, unless the middle of the last h breaks. With a strength s below rho c V/2 the
-surface falls only to V - 2 s/(rho c) (the pull-back; G. I. Kanel, Int. J. Fract. 163 (2010) 173), which takes a pulse
-that the cells resolve. Bars of impedances Z1, Z2: a wave is reflected by R = (Z2 - Z1)/(Z1 + Z2).
+thickness h meets a target of 2 h with the speed V: stress rho c V/2; the free surface of the target has the velocity V
+from 2 h/c on for 2 h/c, then 0 again, unless the middle of the last h breaks. With a strength s below rho c V/2 the
+velocity of the surface decreases only to V - 2 s/(rho c) (the pull-back; G. I. Kanel, Int. J. Fract. 163 (2010) 173),
+provided that the cells resolve the pulse. Bars of impedances Z1, Z2: a wave is reflected by R = (Z2 - Z1)/(Z1 + Z2).
 
 Limits. Stress, plateau and the state after the pulse: target 1 %. Arrival and length of the pulse: half of the six
-cells that a shock may be wide, of the 80 that it crosses. Tension: that of the formula at least. Pull-back and depth of
-the first break: two cells, as a node gives its tension to both of its cells; the peak of the tension moves by
-2 s0/h a cell, the break by a cell of s h/(2 s0). After the break the surface must rise by half of the pull-back at
-least. R: 1 % (H-13 in test/hard/README.md).
+cells that a shock may be wide, of the 80 that it crosses. Tension: at least that of the formula. Pull-back and depth of
+the first break: two cells, because a node gives its tension to both of its cells; the peak of the tension changes by 2
+s0/h per cell, the break by a cell of s h/(2 s0). After the break the velocity of the surface must increase by at least
+half of the pull-back. R: 1 % (H-13 in test/hard/README.md).
 
 Tier long: the pull-back with 40, 80 and 160 cells; order 0.8 for an error of first order.
 """
@@ -48,13 +49,13 @@ PLATE = """
 
 
 def plate(name, low, high, velocity=0.0, density=DENSITY, sound=SOUND, law="", ppc=4):
-    """A body of acoustic matter."""
+    """A body of acoustic material."""
     return PLATE.format(name=name, density=density, bulk=density * sound ** 2, lo=low, hi=high, velocity=velocity,
                         law=law, ppc=ppc)
 
 
 def launch(options, name, matter, box, size, end, count=100, method="ddmp", words="", damage=False):
-    """Run; times, and fields of the particles in their order at the start, (time, particle)."""
+    """Run; times, and fields of the particles in their initial order, (time, particle)."""
     deck = DECK.format(box=box, size=size, end=end, count=count, method=method, words=words, matter=matter,
                        damage=".true." if damage else ".false.", more=",'failed'" if damage else "")
     run = case.Case(options, name, deck).run("-q")
@@ -73,7 +74,7 @@ def launch(options, name, matter, box, size, end, count=100, method="ddmp", word
 
 
 def flyer(options, cells, speed=20.0, strength=None, method="ddmp", words=""):
-    """A flyer meets a target, both of the same matter; figures of target and free surface."""
+    """A flyer meets a target, both of the same material; figures of target and free surface."""
     size = THICK / cells
     law = f"spall={strength!r}" if strength else ""
     low = round(16 * size, 12)
@@ -100,16 +101,16 @@ def flyer(options, cells, speed=20.0, strength=None, method="ddmp", words=""):
 
 
 def show(name, result, keys):
-    """One line."""
+    """Print one line."""
     measured.show(name, {key: result[key] for key in keys})
 
 
 def spall(options, cells, share, method="ddmp", words=""):
     """A pulse that rises over h/4 and falls over h meets a free surface; figures of the break.
 
-    It is made by a layer with these speeds between a backing and a target of 2 h at rest: the half that runs
-    forward presses, the other one pulls at layer and backing, which do not break. With the peak s0 the tension
-    at a depth d below the surface reaches 2 s0 d/h, so the target breaks at s h/(2 s0).
+    It is made by a layer with these velocities between a backing and a target of 2 h at rest: the half that propagates
+    forward compresses, the other one pulls at layer and backing, which do not break. With the peak s0 the tension at a
+    depth d below the surface reaches 2 s0 d/h, so the target breaks at s h/(2 s0).
     """
     speed, size, travel = 20.0, THICK / cells, THICK / SOUND
     impulse = 0.5 * DENSITY * SOUND * speed
@@ -141,13 +142,13 @@ def spall(options, cells, share, method="ddmp", words=""):
 
 
 def contrast(options, ratio, cells=100, method="ddmp", words=""):
-    """A wave runs from one bar into another whose impedance is `ratio` times as large; R as it is seen."""
+    """A wave propagates from one bar into another whose impedance is `ratio` times as large; the measured R."""
     length, speed = 1.0e-2, 5.0
     size = length / cells
-    # the left bar moves into its own end at rest: half of it pushes the other half
+    # the left bar moves into its own end at rest: half of the wave propagates into the other half
     matter = (plate("push", 0.0, 0.5 * length, 2.0 * speed) + plate("first", 0.5 * length, length)
               + plate("second", length, 2.0 * length, density=DENSITY * ratio))
-    end = 0.5 * length / SOUND * 1.8      # the reflected wave is 0.8 of the way back
+    end = 0.5 * length / SOUND * 1.8      # the reflected wave has covered 0.8 of its path back
     table, summary = launch(options, f"contrast_{ratio:g}_{cells}_{method}", matter, 2.0 * length + 8.0 * size, size,
                             end, 9, method, words)
     wave = DENSITY * SOUND * speed
@@ -184,7 +185,7 @@ def test_spall(options, sheet):
 
 @pytest.mark.tiers("long")
 def test_spall_cells(options, sheet):
-    """The pull-back approaches the closed value as cells resolve the pulse."""
+    """The pull-back approaches the closed value as the cells resolve the pulse."""
     errors = []
     for cells in (40, 80, 160):
         result = spall(options, cells, 0.6)

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """States behind shocks in five metals: at one point, and in bars that hit a wall.
 
-Would catch: a constant of the equation of state that acts in the wrong place for s or gamma other than those of
-aluminium, `--point` that solves the jump conditions wrongly, work that does not heat, a release that does
-not follow the isentrope (speed of the free surface), viscosity that is not of the order of the shock.
+Would catch: a constant of the equation of state that is used wrongly for s or gamma other than those of aluminium,
+`--point` that solves the jump conditions wrongly, work that does not heat, a release that does not follow the isentrope
+(speed of the free surface), viscosity that is not of the order of the shock.
 
-Rankine and Hugoniot with Us = c0 + s up and gamma rho constant; the free surface gets u + integral of dp/(rho c) along
-the isentrope. Both are computed in test/support/shocks.py. A bar of 120 cells hits a rigid wall; the plateau is that of
-the particles that began in the cells 25 to 65 and the free surface that of the last 4 to 14 cells, 60 % of
-the time of a shock through it after the shock has come out. Limits: targets, pressure 0.3 % and density 0.1 % up to
-1 km/s, 1 % and 0.3 % above; speed of the shock and of the free surface 1 %. Energy and momentum: rounding.
+Rankine and Hugoniot with Us = c0 + s up and gamma rho constant; the velocity of the free surface is u + integral of
+dp/(rho c) along the isentrope. Both are computed in test/support/shocks.py. A bar of 120 cells hits a rigid wall; the
+plateau consists of the particles that began in the cells 25 to 65, and the free surface of those in the last 4 to 14
+cells, at 60 % of the transit time of the shock after it has reached the free end. Limits: targets, pressure 0.3 % and
+density 0.1 % up to 1 km/s, 1 % and 0.3 % above; speed of the shock and of the free surface 1 %. Energy and momentum:
+rounding.
 """
 
 import subprocess
@@ -27,8 +28,8 @@ METALS = {metal.name: metal for metal in (
     shocks.Metal("pb", 11350.0, 2092.0, 1.45, 2.0))}
 SPEEDS = {"al_2024": (100, 400, 1000, 2000, 3350), "al_6061": (100, 400, 3350), "cu": (95, 500, 1000), "fe": (500,),
           "pb": (500,)}
-# Computed by others (pressure [GPa]), and by an integration of its own (speed of the free surface), to see that the
-# closed solutions here are right.
+# Published values (pressure [GPa]) and values of an independent integration (speed of the free surface), to verify the
+# closed solutions of this test.
 KNOWN = {("al_2024", 400): (6.53160, 800.376), ("al_6061", 400): (6.36394, 800.360), ("cu", 95): (3.46250, 190.008),
          ("fe", 500): (17.75061, 1000.782), ("pb", 500): (15.98648, 1005.184)}
 CELLS, SIZE = 120, 0.1
@@ -57,7 +58,7 @@ DECK = """
 
 
 def point(options, metal, speed):
-    """The row that `scree --point` writes."""
+    """The row in the output of `scree --point`."""
     name = f"point_{metal.name}_{speed}"
     folder = options.work / name
     folder.mkdir(parents=True, exist_ok=True)
@@ -67,16 +68,16 @@ def point(options, metal, speed):
 
 
 def front(places, stress, level):
-    """The outermost place where the stress falls through a level, by linear interpolation."""
+    """The outermost position where the stress falls below a level, by linear interpolation."""
     last = np.flatnonzero(stress > level)[-1]
     share = (stress[last] - level) / (stress[last] - stress[last + 1])
     return places[last] + share * (places[last + 1] - places[last])
 
 
 def strike(options, metal, speed, words=""):
-    """Figures of one bar over the closed ones, less 1."""
+    """Relative differences of one bar from the closed solution."""
     exact, length = metal.shock(speed), CELLS * SIZE * 1e-3
-    arrival = length / exact["speed"]           # the bar flies to meet the shock, so it takes L/Us
+    arrival = length / exact["speed"]           # the bar moves towards the shock, so it takes L/Us
     times = [share * arrival for share in (0.5, 0.9, 1.6)]
     deck = DECK.format(box=length * 1e3 + 2.0, size=SIZE, length=length * 1e3, end=times[2] * 1e6, first=times[0] * 1e6,
                        second=times[1] * 1e6, method=words, words=metal.words(), velocity=-speed / 1e3)
@@ -99,7 +100,7 @@ def strike(options, metal, speed, words=""):
 
 
 def test_closed(sheet):
-    """Closed solutions against numbers computed elsewhere."""
+    """Closed solutions against values computed independently."""
     for (name, speed), (pressure, free) in KNOWN.items():
         sheet.near(f"closed solution of {name} at {speed} m/s: pressure", METALS[name].shock(speed)["pressure"],
                    1e9 * pressure, 2.0e-6)

@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Cold gas that flies to a plane, to an axis and to a point: Noh's problem.
+"""Cold gas that converges to a plane, to an axis and to a point: Noh's problem.
 
-Would catch: artificial viscosity that heats gas which converges evenly ahead of the shock; a hoop strain that counts as
-a jump; a limiter that leaves the shock itself without viscosity.
+Would catch: artificial viscosity that heats smoothly converging gas ahead of the shock; a hoop strain that counts as a
+jump; a limiter that leaves the shock itself without viscosity.
 
 W. F. Noh, J. Comput. Phys. 72 (1987) 78: gas of gamma = 5/3 without pressure, density 1 and speed 1. A shock goes out
-with the speed 1/3; behind it the density is 4^d at rest, ahead of it (1 + t/r)^(d - 1), d = 1, 2, 3. Particles lie
-regularly in radius and angle, which the grid does not. 100 cells in a unit of length, until 0.6.
+with the speed 1/3; behind it the density is 4^d at rest, ahead of it (1 + t/r)^(d - 1), d = 1, 2, 3. Particles are
+regular in radius and angle, unlike the grid. 100 cells per unit of length, until 0.6.
 
-Limits. Behind the shock, from a quarter to 0.8 of its radius: the target for the axis is 10 % in density; the plane has
-1 %, as in test_riemann.py. Ahead of it the flow is smooth and the target is 2 %, the change of (1 + t/r)^2 over half
-a cell, 2 h/(r + t) at most. All compression resisted heats to (d - 1)^3 q2 h^2/(2 r^2) on the way to r, work
-q D/rho of D = (d - 1)/r; the limiter must take nine tenths of it. Scatter behind the shock must not be more with it.
-Known misses: the density behind the shock, held at (d - 1) times six cells over the radius of the shock, the time that
-gas is hot before its convergence ends if a shock is six cells wide (H-10); without limiter at 1 for the sphere; on the
-line at twice the target.
+Limits. Behind the shock, from a quarter to 0.8 of its radius: the target for the axis is 10 % in density; for the plane
+1 %, as in test_riemann.py. Ahead of it the flow is smooth and the target is 2 %, the change of (1 + t/r)^2 over half a
+cell, 2 h/(r + t) at most. If viscosity resists all compression, it heats by (d - 1)^3 q2 h^2/(2 r^2) on the way to r,
+work q D/rho of D = (d - 1)/r; the limiter must remove nine tenths of it. The scatter behind the shock must not be
+larger with it. Known misses: the density behind the shock, held at (d - 1) times six cells over the radius of the
+shock, the time that gas is hot before its convergence ends if a shock is six cells wide (H-10); without limiter at 1
+for the sphere; in 1-D at twice the target.
 """
 # tiers: full
 # timeout: 600
@@ -45,12 +45,12 @@ END, SHOCK = 0.6, 0.2
 PLAIN = "normalise='none'"
 SMOOTH = "viscosity_limiter='smooth'"
 BEST = "viscosity_limiter='smooth'  bulk_q2=2  heat_flux=2"
-# Known misses of the density: as much as a shock of six cells that began at the axis makes, d - 1 times 6 h over R
+# Known misses of the density: the error due to a shock of six cells that began at the axis, d - 1 times 6 h over R
 LIMITS = {1: (None, 0.02, 0.02), 2: (0.3, 0.3, None), 3: (1.0, 0.6, 0.6)}
 
 
 def points(shape, cells, per_cell):
-    """Places, volumes and velocities of a gas that converges, 1 in radius."""
+    """Positions, volumes and velocities of a converging gas with a radius of 1."""
     size = 1.0 / cells / per_cell
     if shape == "tube":                                  # rings of a slab 4 cells thick
         r = (np.arange(round(1.0 / size)) + 0.5) * size
@@ -74,7 +74,7 @@ SHAPES = {"line": ("1d", "1,1,1", 1), "plane": ("plane_strain", "1,1,1", 2),
 
 
 def noh(options, shape, cells=100, words="", per_cell=2, name=None):
-    """Run a shape; errors."""
+    """Run a shape; its errors."""
     dimension, hi, d = SHAPES[shape]
     run = case.Case(options, name or shape, DECK.format(dimension=dimension, hi=hi.format(slab=4.0 / cells),
                                                         size=1.0 / cells, words=words))
@@ -88,7 +88,7 @@ def noh(options, shape, cells=100, words="", per_cell=2, name=None):
     behind = (r > 0.25 * SHOCK) & (r < 0.8 * SHOCK)
     ahead = (r > 1.4 * SHOCK) & (r < 0.36)
     exact = (1.0 + END / r) ** (d - 1)
-    # mass over volume, so that neither empty nor crowded places count twice
+    # mass over volume, so that neither empty nor crowded regions are counted twice
     result = {"behind": mass[behind].sum() / volume[behind].sum() / 4.0 ** d - 1.0, "count": int(behind.sum()),
               "spread": density[behind].std() / density[behind].mean(),
               "ahead": (density[ahead] / exact[ahead]).mean() - 1.0,
@@ -109,8 +109,8 @@ def space(shape, radius, cells):
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_noh(options, sheet, shape):
-    """The shapes with plain sums, without and with the limiter, and with all that helps. The limiter has no normalised
-    sums, so it is held against plain ones."""
+    """The shapes with plain sums, without and with the limiter, and with all improvements. With normalised sums the
+    limiter is not used, so it is tested with plain ones."""
     _, _, d = SHAPES[shape]
     plain, smooth, best = (noh(options, shape, words=words, name=f"{shape}_{number}")
                            for number, words in enumerate((PLAIN, SMOOTH, BEST)))

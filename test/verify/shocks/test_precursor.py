@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Elastic precursor and plastic shock of four metals in five bars that hit a wall.
 
-Would catch: plasticity that does not hold the elastic limit, pressure and deviator that do not see the same
-strain, plastic work that is not in the energy, two waves that run into each other.
+Would catch: plasticity that exceeds the elastic limit, pressure and deviator with different strains, plastic work that
+is not in the energy, two waves that merge.
 
 Exact jumps of a solid of von Mises without hardening (test/support/shocks.py): the elastic wave with logarithmic
-strain Y/2G, and a second shock into what it left. Limits: elastic limit 2 %, its speed 1 %, plastic stress 0.5 %, its
-speed 1 %. Plateaus are those of particles between the fronts that must be seen there. Viscosity bulk_q1 = 0.5, as
-weak shocks ring with the default 0.06 (doc/theory/verification_bodies.md); printed beside it.
+strain Y/2G, and a second shock into the state behind it. Limits: elastic limit 2 %, its speed 1 %, plastic stress 0.5
+%, its speed 1 %. Plateaus are means over the particles between the fronts. Viscosity bulk_q1 = 0.5, because weak shocks
+oscillate with the default 0.06 (doc/theory/verification_bodies.md), whose results are printed too.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ AL_2024 = shocks.Metal("al_2024", 2785.0, 5328.0, 1.338, 2.00, 27.6e9, 0.3e9)
 AL_6061 = shocks.Metal("al_6061", 2703.0, 5350.0, 1.34, 1.97, 27.6e9, 0.29e9)
 CU = shocks.Metal("cu", 8930.0, 3940.0, 1.49, 2.0, 45.0e9, 0.09e9)
 BE = shocks.Metal("be", 1845.0, 7998.0, 1.124, 1.11, 151.0e9, 0.33e9)
-# Metal, speed, and what others computed: elastic limit, plastic stress [GPa], their speeds [m/s].
+# Metal, speed, and published values: elastic limit, plastic stress [GPa], their speeds [m/s].
 ROWS = ((AL_2024, 400, (0.635879, 6.635879, 6490.4, 5908.5)), (AL_2024, 100, (0.635879, 1.629767, 6490.4, 5510.8)),
         (AL_6061, 250, (0.605479, 3.944893, 6538.3, 5730.8)), (CU, 20, (0.199030, 0.741591, 4722.2, 3976.9)),
         (BE, 100, (0.349343, 1.632366, 13167.0, 8127.5)))
@@ -32,10 +32,10 @@ DECK = test_hugoniot.DECK.replace("strength=.false.", "strength=.true.")
 
 
 def strike(options, metal, speed, words, cells=CELLS):
-    """Figures of one bar over the closed ones, less 1, and the scatter over the plateaus."""
+    """Relative differences of one bar from the closed solution, and the scatter over the plateaus."""
     ahead, after = metal.precursor(), metal.plastic(speed)
     length = cells * SIZE * 1e-3
-    end = float(0.95 * length / ahead["speed"])      # the bar flies to meet the wave, so it takes L/U
+    end = float(0.95 * length / ahead["speed"])      # the bar moves towards the wave, so it takes L/U
     deck = DECK.format(box=length * 1e3 + 2.0, size=SIZE, length=length * 1e3, end=end * 1e6, first=0.3 * end * 1e6,
                        second=0.6 * end * 1e6, method=words, words=metal.words(), velocity=-speed / 1e3)
     run = case.Case(options, f"solid_{metal.name}_{speed}", deck).run("-q")

@@ -1,25 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ideal gases that fly apart, explode, and collide: Riemann problems beyond that of Sod, and a cold gas on a wall.
+"""Ideal gases that expand, explode, and collide: Riemann problems in addition to that of Sod, and a cold gas at a wall.
 
-Would catch: work or viscosity that fails where the density falls by fifty, where the pressure jumps by 1e5, or
-where gas without pressure stops at a wall; energies that become negative, with a heat flux too; a time
-step that does not know of speed or of viscosity.
+Would catch: work or viscosity that fails where the density decreases by a factor of fifty, where the pressure jumps by
+1e5, or where gas without pressure stops at a wall; negative energies, also with a heat flux; a time step that does not
+depend on speed or viscosity.
 
 E. F. Toro, *Riemann solvers and numerical methods for fluid dynamics*, problems 2, 3 and 5, and the shock tube in air
 of the examples of Uintah; solved exactly in test/support/shocks.py. W. F. Noh, J. Comput. Phys. 72 (1987) 78, in the
 plane: density 4 behind a shock of speed 1/3. Error: sum of |rho - exact| times volume over the mass or length; pressure
-and velocity are means between the waves, velocity over the difference of their speeds. Where gases fly apart the
-middle has less than a particle in a cell; what is held there are the fans.
+and velocity are means between the waves, velocity over the difference of their speeds. Where gases separate, the middle
+has less than one particle per cell; there the fans are tested.
 
-Limits. Density: every wave may be smeared over six cells, which is the greatest width of a shock (H-10 in
+Limits. Density: every wave may be spread over six cells, which is the greatest width of a shock (H-10 in
 test/hard/README.md), so the error is at most the sum of all jumps times six cells over four; fans count with their
-whole jump. Ratio of the errors of a halving: the 0.6 that Athena++ demands of a Godunov method. Pressure and velocity:
-target 1 %. Fans: density 1 %, velocity at their ends what three cells of the slope of the fan make.
+whole jump. Ratio of the errors for half the cell size: the 0.6 that Athena++ requires of a Godunov method. Pressure and
+velocity: target 1 %. Fans: density 1 %, velocity at their ends within three cells of the slope of the fan.
 
-Noh: the limit of the density is the shock over six cells and a wall that is off by 15 % in three cells (H-9). Without
-heat flux that is a known miss, held at a tenth of the mass, as is the first cell, of which half may be missing; with
-it the first cell is held at 15 %. The plateau is held at 1 %, and its pressure at 5/3 of that, as along an adiabat. The
-ratio of the errors is a known miss of 0.6, as the wall is a contact; the error must fall.
+Noh: the limit of the density is the shock over six cells and a wall with an error of 15 % in three cells (H-9). Without
+heat flux that is a known miss, held at a tenth of the mass, as is the first cell, of which half may be missing; with it
+the first cell is held at 15 %. The plateau is held at 1 %, and its pressure at 5/3 of that, as along an adiabat. The
+ratio of the errors is a known miss of 0.6, as the wall is a contact discontinuity; the error must decrease.
 """
 # tiers: smoke, full
 
@@ -52,13 +52,13 @@ GAS = """
   specific_energy={energy!r} /
 """
 GAMMA = 1.4
-# Name: both gases, time, reach of the bodies from the contact, reach of the grid, known pressure and velocity.
+# Name: both gases, time, extent of the bodies from the contact, extent of the grid, known pressure and velocity.
 PROBLEMS = {
     "apart": (shocks.Gas(1.0, -2.0, 0.4), shocks.Gas(1.0, 2.0, 0.4), 0.15, (1.0, 1.0), (2.0, 2.0),
               (0.0018938734201, 0.0)),
     "blast": (shocks.Gas(1.0, 0.0, 1000.0), shocks.Gas(1.0, 0.0, 0.01), 0.012, (0.5, 0.5), (0.5, 0.5),
               (460.8937874914, 19.5974513887)),
-    # as seen from the gas on the left, which so stays at its wall: a free surface of it would be torn apart
+    # in the frame of the gas on the left, which remains at its wall: a free surface of it would separate
     "collision": (shocks.Gas(5.99924, 0.0, 460.894), shocks.Gas(5.99242, -6.19633 - 19.5975, 46.095), 0.035, (1.5, 1.5),
                   (1.5, 2.0), (1691.6469553991, 8.6897744116 - 19.5975)),
     "air": (shocks.Gas(1.17682927, 0.0, 101325.0), shocks.Gas(0.117682927, 0.0, 10132.5), 5.0e-4, (0.5, 0.5),
@@ -73,7 +73,7 @@ def gas_text(name, gas, gamma, low, high, ppc=4):
 
 
 def burst(options, name, cells, words="", cfl=0.4):
-    """Run a problem with so many cells in a unit of length; errors."""
+    """Run a problem with a given number of cells per unit of length; errors."""
     left, right, end, bodies, grid, _ = PROBLEMS[name]
     exact, size = shocks.Riemann(left, right, GAMMA), 1.0 / cells
     gases = gas_text("left", left, GAMMA, -bodies[0], 0.0) + gas_text("right", right, GAMMA, 0.0, bodies[1])
@@ -123,7 +123,7 @@ def noh(options, cells, words="", cfl=0.4, ppc=4):
 
 
 def fans(options, cells):
-    """Gases that fly apart: the two fans, as far as there is a particle in every cell."""
+    """Gases that separate: the two fans, as far as there is a particle in every cell."""
     left, right, end, *_ = PROBLEMS["apart"]
     burst(options, "apart", cells)
     exact = shocks.Riemann(left, right, GAMMA)
@@ -144,7 +144,7 @@ def fans(options, cells):
 
 @pytest.mark.tiers("full", "long")
 def test_walls(options, sheet):
-    """Cold gas on a wall, with a heat flux and without."""
+    """Cold gas at a wall, with a heat flux and without."""
     coarse, fine, smeared = noh(options, 100), noh(options, 200), noh(options, 200, "heat_flux=2")
     target = 3.0 * 6.0 / 200 / 4.0 + 0.15 * 4.0 * 3.0 / 200
     for name, result in (("noh", fine), ("noh, heat_flux=2", smeared)):
@@ -164,7 +164,7 @@ def test_walls(options, sheet):
 
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_riemann(options, sheet, name):
-    """All problems with two sizes of cells."""
+    """All problems with two cell sizes."""
     left, right, _, _, _, known = PROBLEMS[name]
     exact = shocks.Riemann(left, right, GAMMA)
     sheet.near(f"{name}: closed solution, pressure", exact.pressure, known[0], 1.0e-8)

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The shock tube of Sod: two gases at rest of which one has ten times the pressure.
+"""Sod's shock tube: two gases at rest with a pressure ratio of ten.
 
-Would catch: an internal energy that bodies do not start with, an initial pressure that the equation of
-state does not give, a first time step from a material at rest without pressure, work that does not
-heat the gas.
+Would catch: bodies without their initial internal energy, an initial pressure that is not that of the equation of
+state, a first time step as for a material at rest without pressure, work that does not heat the gas.
 
 G. A. Sod, J. Comput. Phys. 27 (1978) 1: gamma = 1.4, density 1 and pressure 1 beside 0.125 and 0.1.
 Exact: p* = 0.3031302, u* = 0.9274526, densities beside the contact 0.4263194 and 0.2655737, shock
 1.7521557, head and tail of the fan -1.1832160 and -0.0702728. Four particles a cell, t = 0.2, error of
 density as the sum of |rho - exact| times volume.
 
-Limits: the ratio of the errors is held to the 0.6 a doubling that Athena++ demands of a Godunov method. The error may
-be 0.011 with 128 cells, that of such methods, and 0.6 of it a doubling: 0.013 with 100 and 0.0079 with 200 cells.
-Pressure and velocity between fan and shock: target 1 %. Total energy: rounding, as the loss of the transfer heats.
+Limits: the ratio of the errors must be the 0.6 per doubling that Athena++ requires of a Godunov method. The error may
+be 0.011 with 128 cells, that of such methods, and 0.6 of it per doubling: 0.013 with 100 and 0.0079 with 200 cells.
+Pressure and velocity between fan and shock: target 1 %. Total energy: rounding, since the energy loss of the transfer
+becomes heat.
 """
 # tiers: smoke, full
 
@@ -70,7 +70,7 @@ def burst(options, cells):
 
 
 def test_sod(options, sheet):
-    """Twice as fine."""
+    """Two resolutions."""
     coarse, fine = burst(options, 100), burst(options, 200)
     sheet.require(list(fine["begin"]) == [0.1, 1.0], "the tube starts with both pressures")
     sheet.near("first step", fine["first_dt"], 0.4 / 200 / -HEAD, 1.0e-6)

@@ -1,29 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A disc, strained by its rotation, turns once about its axis while cells cross it all the time; then twenty times.
+"""A disc with centrifugal strain rotates once about its axis while its particles cross cells all the time; then twenty
+times.
 
-Would catch: a stress that does not turn with the material, spin about the wrong place or with the wrong
-sign, a transfer that takes angular momentum from what turns within a cell, strain of a rotation (with a
-velocity at the wrong time it grows the disc in proportion to the step), internal forces with a moment; in many turns a
-loss that adds up, a disc that grows or fades, stress that is left behind by the rotation.
+Would catch: a stress that does not rotate with the material, rotation about the wrong point or with the wrong sign, a
+transfer that dissipates the angular momentum of rotation within a cell, strain from a rotation (with a velocity at the
+wrong time the disc grows in proportion to the step), internal forces with a moment; in many turns a loss that
+accumulates, a disc that grows or shrinks, stress that does not follow the rotation.
 
 Closed (`&exact spinning_disc`): S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, sec. 32. R = 1 m,
-E = 10 MPa, nu = 0.3, rho = 1000 kg/m3, 10 rad/s. Angular momentum M R2 w/2 and energy stay as they are.
+E = 10 MPa, nu = 0.3, rho = 1000 kg/m3, 10 rad/s. Angular momentum M R2 w/2 and energy are constant.
 
-Limits. Angular momentum and energy: targets, 1e-3 a turn with ten cells on the radius, 2.5 times that with five (loss
-of at least first order, with room for the rim); rate at least 1. Displacement over the greatest, 2 m: with a spin that
-is off by half of that target in the mean the angle is off by 2 pi 0.5e-3 after the turn, a displacement of 1.1e-3 (root
-mean square). Stress (root mean square over that at the centre): cells at the rim are partly filled; limit is the error
-of a rim one cell wide without any of its hoop and axial stress, 0.15 with ten cells and 0.21 with five. The second disc
-begins without strain, so it vibrates about the same rotation: same target for the angular momentum, energy 1 %.
+Limits. Angular momentum and energy: targets, 1e-3 per turn with ten cells on the radius, 2.5 times that with five (loss
+of at least first order, with a margin for the rim); order at least 1. Displacement over the greatest, 2 m: if the mean
+angular velocity is off by half of that target, the angle is off by 2 pi 0.5e-3 after the turn, a displacement of 1.1e-3
+(root mean square). Stress (root mean square over that at the centre): cells at the rim are partly filled; the limit is
+the error of a rim one cell wide without any hoop and axial stress, 0.15 with ten cells and 0.21 with five. The second
+disc begins without strain, so it vibrates about the same rotation: same target for the angular momentum, energy 1 %.
 
-Of the transfers apic and aflip meet the target; flip does not, as its share of PIC in each of 1000 steps takes a part
-of what turns within a cell: a known miss, held at a tenth a turn. xpic and fmpm take nearly all and pic takes all by
-the same way (doc/theory/verification_bodies.md has the figures); test_transfer.py holds what a step of each keeps to
-rounding.
+Of the transfers apic and aflip meet the target; flip does not, as its PIC fraction in each of 1000 steps dissipates a
+part of the rotation within a cell: a known miss, held at a tenth per turn. xpic and fmpm dissipate nearly all of it and
+pic all in the same way (doc/theory/verification_bodies.md has the figures); test_transfer.py tests to rounding what a
+step of each conserves.
 
-Twenty turns (tier long): the same target a turn, radius of gyration within 0.5 %; flip and xpic, known misses, may
-take all. The stress at the end is a known miss of the limit above, held at half of that at the centre. The plain
-method is the control: it must grow by more than the disc may, or no cell is crossed.
+Twenty turns (tier long): the same target per turn, radius of gyration within 0.5 %; flip and xpic, known misses, may
+lose all. The stress at the end is a known miss of the limit above, held at half of that at the centre. The plain method
+is the control: its disc must grow by more than the limit; otherwise no cell is crossed.
 """
 # tiers: smoke, full, long
 # timeout long: 2400
@@ -35,7 +36,7 @@ import bodies
 import measured
 import tier
 
-TARGET = 1.0e-3                        # angular momentum and energy a turn, ten cells on the radius
+TARGET = 1.0e-3                        # angular momentum and energy per turn, ten cells on the radius
 COARSE = 2.5 * TARGET                  # five cells
 FAR = 2.0 * np.pi * 0.5 * TARGET * np.sqrt(0.5) / 2.0
 TURNS = 20
@@ -51,7 +52,7 @@ def rim(spacing):
 
 
 def turn(options, name, **words):
-    """One run, shown."""
+    """One run; prints its errors."""
     result = bodies.spin(options, name, **words)
     figures = ("drift", "energy", "displacement", "velocity", "stress", "momentum")
     measured.show(name, {key: result[key] for key in figures if key in result})

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Equations of state by table, in the whole program, against the closed ones from which the tables are made.
+"""Tabulated equations of state, in whole runs, against the closed ones from which the tables are made.
 
-Would catch: a look-up in a wrong cell, an energy of the start that is not that of its temperature, a sound speed or
-temperature of another state, a table that only one rank has, a state outside that goes on with some pressure, a wrong
-table that is accepted, one fault that hides the next.
+Would catch: an interpolation in a wrong cell, an initial energy that is not that of its temperature, a sound speed or
+temperature of another state, a table that only one rank has, a state outside of the table with some pressure, a wrong
+table that is accepted, one error that hides the next.
 
 * Shock tube of Sod with the table of an ideal gas, in which pressure and energy are linear in density and
-  temperature: the run of the closed equation of state to rounding that steps may amplify, 1e-9.
-* Mie-Grueneisen: states behind shocks (`--point`) of tables with 17, 33 and 65 nodes each way approach
-  p = rho0 Us u with order 2, and at least 1.8 is demanded; a bar that hits a wall at 1000 m/s has the plateau of
-  Rankine and Hugoniot to the 1 % of pressure and 0.3 % of density that hold for the closed equation. Energy: rounding.
+  temperature: the run agrees with that of the closed equation of state to rounding amplified by the steps, 1e-9.
+* Mie-Grueneisen: states behind shocks (`--point`) of tables with 17, 33 and 65 nodes in each direction approach p =
+  rho0 Us u with order 2, limit 1.8; a bar that hits a wall at 1000 m/s has the plateau of Rankine and Hugoniot to the 1
+  % of pressure and 0.3 % of density that apply to the closed equation. Energy: rounding.
 * Temperature: that of e = e_c(rho) + c_v (T - T0), to the error of the table, 1 %.
-* Layouts and restart: the same bits.
+* Any ranks and threads, and restart: the same bits.
 """
 # tiers: smoke, full
 # cores: 2
@@ -114,13 +114,13 @@ SAID = (
 
 
 def write_metal(folder, quarter, greatest=5000.0):
-    """A table of aluminium with 4 `quarter` + 1 nodes each way, of which one is the state at rest."""
+    """A table of aluminium with 4 `quarter` + 1 nodes in each direction, of which one is the state at rest."""
     densities = np.concatenate((state_table.axis(2150.0, METAL.density, quarter + 1)[:-1],
                                 state_table.axis(METAL.density, greatest, 3 * quarter + 1)))
     temperatures = np.concatenate((state_table.axis(60.0, METAL.zero, quarter + 1)[:-1],
                                    state_table.axis(METAL.zero, 20000.0, 3 * quarter + 1)))
     pressure, energy = state_table.mie_gruneisen(densities, temperatures, METAL)
-    # the zero of energies is free, and pressures of fluids relax only where they are positive
+    # the zero of energies is arbitrary, and pressures of fluids are relaxed only where they are positive
     state_table.write(folder / "al.txt", densities, temperatures, pressure, energy + 5.0e5, "aluminium")
 
 
@@ -191,7 +191,7 @@ def test_bar(options, sheet):
 
 
 def test_layouts(options, sheet):
-    """The same bits everywhere."""
+    """The same bits for any ranks and threads."""
     digests = {}
     for ranks, threads in ((1, 1), (2, 1), (1, 2)):
         run = case.Case(options, f"blocks_{ranks}_{threads}", BLOCKS, ranks, threads)
@@ -208,7 +208,7 @@ def test_layouts(options, sheet):
 
 
 def test_faults(options, sheet):
-    """All in one pass, each with its line."""
+    """All errors in one pass, each with its line."""
     run = case.Case(options, "faults", FAULTS.lstrip())
     write_metal(run.folder, 8)
     good = (run.folder / "al.txt").read_text(encoding="ascii").splitlines()

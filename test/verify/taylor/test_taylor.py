@@ -1,25 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Copper bars strike a rigid smooth wall: length, foot and waist, and the books.
+"""Copper bars strike a rigid smooth wall: length, foot and intermediate diameter, and the balances.
 
-Would catch: hoop strain or hoop force that is wrong where matter flows to three times its radius, hardening by
-the wrong strain, plastic flow that locks, plastic work that does not heat, a wall that holds the foot back or
-lets it through, an input deck that is not that of its sources.
+Would catch: hoop strain or hoop force that is wrong where material flows to three times its radius, hardening by the
+wrong strain, plastic flow that locks, plastic work that does not heat, a wall that resists the spreading of the foot or
+lets material through, an input deck that differs from its sources.
 
 The decks are those of input/taylor_copper, with coarser cells. Measured bar (25.4 x 7.62 mm, 190 m/s): 16.2 mm
-long, foot of 13.5 mm, waist of 10.1 mm, G. R. Johnson and T. J. Holmquist, J. Appl. Phys. 64 (1988) 3901; the
-mean of the three relative errors is held below 3 %, as material point codes are compared (S. Ma, X. Zhang, X. M. Qiu,
-Int. J. Impact Eng. 36 (2009) 272). Classic bar (32.4 x 6.4 mm, 227 m/s): axisymmetric finite elements with a mean
-dilatation have 21.479 mm and 7.167 mm with 5 x 50 elements, 21.442 mm and 7.200 mm with 10 x 100; published lengths
-lie within 1 % of that, radii between 6.97 and 7.24 mm. Limits: 1 % and 2 %. Greatest plastic strain: 3.22 and 3.31
-in the finite elements; limit 6 %, twice their difference. At the end the bar rests: kinetic energy 4e-4 in the
-finite elements, limit 1e-3; the measured bar of three cells rings longer, limit 4e-3.
+long, foot of 13.5 mm, intermediate diameter of 10.1 mm, G. R. Johnson and T. J. Holmquist, J. Appl. Phys. 64 (1988)
+3901; the mean of the three relative errors must be below 3 %, the measure used for other material point codes (S. Ma,
+X. Zhang, X. M. Qiu, Int. J. Impact Eng. 36 (2009) 272). Classic bar (32.4 x 6.4 mm, 227 m/s): axisymmetric finite
+elements with a mean dilatation have 21.479 mm and 7.167 mm with 5 x 50 elements, 21.442 mm and 7.200 mm with 10 x 100;
+published lengths lie within 1 % of that, radii between 6.97 and 7.24 mm. Limits: 1 % and 2 %. Greatest plastic strain:
+3.22 and 3.31 in the finite elements; limit 6 %, twice their difference. At the end the bar is at rest: kinetic energy
+4e-4 in the finite elements, limit 1e-3; the measured bar of three cells vibrates longer, limit 4e-3.
 
-The measured bar carries its energy and keeps it to rounding; the classic one carries none, so what the order of update
-takes is lost to its books: 1 %.
+The measured bar carries its internal energy and conserves energy to rounding; the classic one carries none, so the
+energy that the stress update dissipates is missing in its balance: 1 %.
 
 Tier long: both bars with three sizes of cells by several methods, figures in doc/theory/verification_metals.md. Would
-catch results that change with the cells without end, and a method that locks or loses its foot in fine grids. Cells of
-0.2 mm: 1 % and 2 % again; the last halving must change the foot less than the first. Measured bar, 0.3175 mm: 3 %.
+catch results that do not converge, and a method that locks or loses the foot on fine grids. Cells of 0.2 mm: 1 % and 2
+% again; the last halving of the cell size must change the foot less than the first. Measured bar, 0.3175 mm: 3 %.
 """
 # tiers: smoke, full, long
 # timeout long: 2400
@@ -58,7 +58,7 @@ def classic(sheet, name, result):
 
 @pytest.mark.tiers("long")
 def test_fine(options, sheet):
-    """Every method on both bars, with finer and finer cells."""
+    """Every method on both bars, with successively finer cells."""
     found = table(options)
     for name in METHODS:
         runs = [found[name, "classic.nml", spacing] for spacing in (0.8, 0.4, 0.2)]
@@ -89,7 +89,7 @@ def test_measured(options, sheet, name, spacing, words):
 
 @pytest.mark.tiers("full", "long")
 def test_classic(options, sheet):
-    """The bar that codes are compared by."""
+    """The bar that is the usual benchmark of codes."""
     result = taylor.strike(options, "classic", taylor.CLASSIC)
     classic(sheet, "classic", result)
     sheet.near("classic: greatest plastic strain", result["strain"], 3.265, 0.06)

@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Velocity transfers: what a filter keeps of a mode, what none may keep, and where energy goes.
+"""Velocity transfers: the fraction of a mode that a filter keeps, modes that none may keep, and energy conservation.
 
 Would catch: a series of XPIC or FMPM with a wrong term, or with the velocity before instead of that
-after the forces; a term that the faces of a rank, tile or periodic box cut; motions that nodes
-cannot see and that come back; kinetic energy that is lost without heat, or heat without a loss; an
-affine matrix that is not set at the start.
+after the forces; a term that borders of ranks, tiles or the periodic box truncate; motions that nodes do not resolve
+and that reappear; kinetic energy that is lost without heat, or heat without a loss; an affine matrix that is not set at
+the start.
 
 Modes: a periodic line of 8 cells with particles at xi = 1/6, 1/2, 5/6 of each. Node velocities
-cos(kappa i), taken by the particles, are an eigenmode of the way to the nodes and back (S+ S) with
-q = 1 - 2 b (1 - cos kappa), b the mean of xi (1 - xi); XPIC and FMPM of order k keep the share
-1 - (1 - q)**k in a step, PIC q. The velocities (1, -2, 1) in a cell give no node a momentum: flip
-keeps its share of them, all others nothing. Both on top of a uniform flow. Limit: rounding.
+cos(kappa i), given to the particles, are an eigenmode of the transfer to the nodes and back (S+ S) with q = 1 - 2 b (1
+- cos kappa), b the mean of xi (1 - xi); XPIC and FMPM of order k keep the fraction 1 - (1 - q)**k in a step, PIC q. The
+velocities (1, -2, 1) in a cell give no node a momentum: flip keeps its fraction of them, all other transfers nothing.
+Both are superposed on a uniform flow. Limit: rounding.
 
-Energy: two gases of different density that collide in a corner of walls, of which one moves. The
-total energy is kept to rounding with every transfer, gradient and stress update.
+Energy: two gases of different density that collide in a corner of two walls, one of which moves. The total energy is
+conserved to rounding with every transfer, gradient and stress update.
 
 Disc: one turn of an elastic disc that follows its exact solution, 20 cells across. Transfers with
-slopes or rotations keep angular momentum and energy: target 1e-3 (test_spin.py). flip = 0.999 does not: a known miss,
-held at a tenth.
+linear velocity fields or rotations conserve angular momentum and energy: target 1e-3 (test_spin.py). flip = 0.999 does
+not: a known miss, held at a tenth.
 """
 # tiers: smoke, full
 # timeout: 300
@@ -83,7 +83,7 @@ ALL = ("transfer='flip'", "transfer='pic'", "transfer='apic'", "transfer='aflip'
 
 
 def step(options, name, words, velocity):
-    """Velocities after one step without forces; each particle is a body, to have its own."""
+    """Velocities after one step without forces; each particle is a body, so that it has its own velocity."""
     text = LINE.format(words=words)
     for n, (place, speed) in enumerate(zip(PLACES, velocity)):
         text += (f"&region name='r{n}' shape='box' lo={float(place) - 1 / 6!r},0,0 "
@@ -97,7 +97,7 @@ def step(options, name, words, velocity):
 
 @pytest.mark.tiers("full")
 def test_modes(options, sheet):
-    """What is kept of node modes and of motions that no node sees."""
+    """Fractions kept of node modes and of motions that no node resolves."""
     b = np.mean([xi * (1.0 - xi) for xi in (1 / 6, 1 / 2, 5 / 6)])
     left, xi = np.floor(PLACES), PLACES % 1.0
     for number in (1, 3, 4):
@@ -149,7 +149,7 @@ def test_gas(options, sheet, method, basis, update, words):
 @pytest.mark.tiers("full")
 @pytest.mark.parametrize("words", ["transfer='flip'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'"])
 def test_disc(options, sheet, words):
-    """A disc that turns once."""
+    """A disc that rotates once."""
     run = case.Case(options, "disc", DISC.format(method="ddmp", words=words)).run("-q")
     table = run.history
     drift = table["angular_momentum_y"][-1] / table["angular_momentum_y"][0] - 1.0

@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Two elastic discs meet head-on and rebound (D. Sulsky et al. 1994).
 
-Would catch: momentum lost at free surfaces or between tiles, energy made or lost when bodies meet
-through the grid, a pair of discs that does not stay point symmetric, a transfer or an order of the stress update
-that takes or makes energy.
+Would catch: momentum lost at free surfaces or between tiles, energy created or lost when bodies collide through the
+grid, a pair of discs that does not remain point symmetric, a transfer or a stress update that dissipates or creates
+energy.
 
 Discs of radius 0.2 m at +-(0.3, 0.3) with velocities -+(0.1, 0.1), E = 1000 Pa, nu = 0.3, rho =
 1000 kg/m3, without artificial viscosity. They touch at 1.5858 s.
 
-Limits. Momentum, angular momentum and symmetry: rounding. First force: two cells early at most, as a node reaches
-one cell to both sides. Total energy: target 2 % of that at the start with cells of 0.025 m, 1 % with cells of 0.0125 m,
-where a loss that is at least of first order is half; greatest total energy: half of the target, as energy that is made
-grows. Kinetic energy after the rebound: there is no closed solution, the discs go on vibrating. Runs with 32 and 64
-cells across, 2 x 2 to 4 x 4 particles, which keep their energy to 0.1 %, end with 0.866 to 0.876; limit: 0.872 within
-the target of the energy. Transfers that filter velocities (`flip`: a share of PIC in each step, `xpic`) take more
-than the target from a vibration of few cells: known misses, held at a tenth of the energy.
+Limits. Momentum, angular momentum and symmetry: rounding. First force: two cells early at most, as the function of a
+node extends one cell to both sides. Total energy: target 2 % of that at the start with cells of 0.025 m, 1 % with cells
+of 0.0125 m, where a loss of at least first order is half as large; greatest total energy: half of the target, as
+created energy grows. Kinetic energy after the rebound: there is no closed solution, because the discs continue to
+vibrate. Runs with 32 and 64 cells across, 2 x 2 to 4 x 4 particles, which conserve their energy to 0.1 %, end with
+0.866 to 0.876; limit: 0.872 within the target of the energy. Transfers that filter velocities (`flip`: a PIC fraction
+in each step, `xpic`) dissipate more than the target from a vibration of few cells: known misses, held at a tenth of the
+energy.
 """
 # tiers: smoke, full
 
@@ -34,7 +35,7 @@ OTHERS = {"flip_1": ("ddmp", "flip=1"), "flip": ("ddmp", "transfer='flip'"), "af
 
 
 def collide(options, sheet, name, method="ddmp", words="", target=TARGET, **more):
-    """One rebound; momentum, symmetry and energy are judged."""
+    """One rebound; momentum, symmetry and energy are checked."""
     result = bodies.two_discs(options, name, method, words, **more)
     figures = ("kinetic", "least", "energy", "books", "greatest", "early", "momentum")
     measured.show(name, {key: result[key] for key in figures})
@@ -56,7 +57,7 @@ def collide(options, sheet, name, method="ddmp", words="", target=TARGET, **more
 
 
 def test_usual(options, sheet):
-    """The default with two sizes of cells."""
+    """The default with two cell sizes."""
     coarse = collide(options, sheet, "coarse")
     sheet.below("coarse: kinetic energy after the rebound, less that of fine runs", coarse["kinetic"] - REBOUND, TARGET)
     if tier.NAME != "smoke":
@@ -76,5 +77,5 @@ def test_viscous(options, sheet):
 @pytest.mark.tiers("full", "long")
 @pytest.mark.parametrize("name", OTHERS)
 def test_others(options, sheet, name):
-    """Other ways to compute."""
+    """Other methods."""
     collide(options, sheet, name, *OTHERS[name])

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Voids of failed matter open and close in whole runs, heat and shear change them in closed form.
+"""Voids of failed material open and close in whole runs; heat and shear change them as in closed solutions.
 
-Would catch: a volume of the motion where that of the matter belongs, voids whose opening takes work,
-that do not close where they began, or leave a pressure behind; a share that a restart forgets; a
-wrong sign or factor of B, and heat that is conducted but does not expand grains.
+Would catch: the volume of the motion where that of the material is needed, voids whose opening requires work, that do
+not close where they opened, or leave a pressure behind; a solid fraction that is lost in a restart; a wrong sign or
+factor of B, and heat that is conducted but does not expand grains.
 
-Closed solutions: matter that opens without pressure keeps theta V; closed voids leave the pressure
-K (V0/V - 1) of matter that never failed; crushing with alpha = (theta - c)/(1 - c) integrates to
-(1 - theta)/theta = (1 - theta_0)/theta_0 (V/V0)**(1/(1 - c)); heating by dT gives theta exp(b dT),
-shear by g of pressed grains theta exp(-b g), both at constant volume. The share follows the state of the step before,
-so it is late by one step: crushing may be off by the change of one step, shear is off by that.
+Closed solutions: material that opens without pressure keeps theta V; closed voids leave the pressure K (V0/V - 1) of
+intact material; crushing with alpha = (theta - c)/(1 - c) integrates to (1 - theta)/theta = (1 - theta_0)/theta_0
+(V/V0)**(1/(1 - c)); heating by dT gives theta exp(b dT), shear by g of compressed grains theta exp(-b g), both at
+constant volume. The fraction alpha follows the state of the previous step, so it is late by one step: crushing may be
+off by the change of one step, shear is off by that.
 """
 # timeout: 120
 
@@ -20,7 +20,7 @@ import numpy as np
 import case
 
 DENSITY, BULK, SHEAR = 1000.0, 1.0e9, 6.0e8
-# One cell between a wall and a face that moves: the strain of a step is -1e-4 or 1e-4 for all points.
+# One cell between a wall and a moving boundary: the strain of a step is -1e-4 or 1e-4 for all particles.
 CYCLE = """
 &run  dimension='1d'  method='{method}' /
 &units  system='si' /
@@ -60,12 +60,12 @@ SHEARED = """
 
 
 def pressure(snapshot):
-    """Mean pressure of the points [Pa]."""
+    """Mean pressure of the particles [Pa]."""
     return -snapshot.fields["stress"][:, :3].sum(axis=1) / 3.0
 
 
 def cycle(options, name, method, words, damage=".true."):
-    """Open by half a percent, then close to 1.5 % less than at first; the snapshots of both."""
+    """Expand by half a percent, then compress to 1.5 % less than the initial volume; the snapshots of both."""
     fields = ",'solid_fraction'" if damage == ".true." else ""
     text = CYCLE.format(method=method, words=words, damage=damage, fields=fields)
     if damage == ".false.":
@@ -77,7 +77,7 @@ def cycle(options, name, method, words, damage=".true."):
 
 
 def test_open_and_close(options, sheet):
-    """The rules of voids, with rubble and with a law of failed matter."""
+    """The rules of voids, with rubble and with a law of failed material."""
     for method in ("ddmp", "mpm"):
         intact = cycle(options, f"intact_{method}", method, "", ".false.")
         volume = intact[-1].fields["volume"]
@@ -92,7 +92,7 @@ def test_open_and_close(options, sheet):
 
 
 def check_cycle(sheet, name, states, intact, rule):
-    """Mass, work, share and pressure along a cycle."""
+    """Mass, work, solid fraction and pressure along a cycle."""
     broken = [n for n, state in enumerate(states) if np.all(state.fields["failed"] == 1)]
     widest = int(np.argmax([state.fields["volume"][0] for state in states]))
     sheet.require(0 < broken[0] < 5 and widest > 20, f"{name}: fails early, then opens")
@@ -126,13 +126,13 @@ def check_cycle(sheet, name, states, intact, rule):
 
 
 def test_crushing(options, sheet):
-    """Loose grains that are pressed: voids that close for good, against the integral."""
+    """Loose grains that are compressed: voids that close permanently, against the integral."""
     share, rest = 0.8, 0.2
     words = f"{FAILS}  alpha_m='crush'  solid_fraction=0.8"
     states = cycle(options, "crushed", "ddmp", words)
     last, begin = states[-1].fields, 0.5
     theta = last["solid_fraction"]
-    # below the first volume grains touch
+    # below the initial volume grains touch
     void = (1.0 - share) / share * (last["volume"] / begin) ** (1.0 / rest)
     step = 1.0e-4 * (1.0 - share) / rest           # strain of a step times d ln theta/d ln V at the start
     sheet.below("share of crushed grains", np.abs(theta * (1.0 + void) - 1.0).max(), step)
@@ -143,7 +143,7 @@ def test_crushing(options, sheet):
 
 
 def test_fractured(options, sheet):
-    """Glass after JH-2: opens without work, and closes to the pressure of its density and fracture."""
+    """Glass with JH-2: opens without work, and closes to the pressure of its density and of bulking."""
     glass = ("density=2530  shear=30.4e9  eos_model='jh2'  strength_model='jh2'  damage_model='jh2'  jh2_k1=45.4e9  "
              "jh2_k2=-138e9  jh2_k3=290e9\n jh2_a=0.93  jh2_n=0.77  jh2_b=0.088  jh2_m=0.35  jh2_c=0.003\n "
              "jh2_t=0.15e9  jh2_fmax=0.5\n jh2_hel=5.95e9  jh2_phel=2.92e9  jh2_d1=0.0053  jh2_d2=0.85  jh2_beta=1")
@@ -191,7 +191,7 @@ def point(options, name, deck):
 
 
 def test_sheared(options, sheet):
-    """Pressed grains climb over each other: theta falls with shear, the density of the matter rises."""
+    """Compressed grains dilate in shear: theta decreases with shear, the density of the material increases."""
     factor, press, errors = 0.5, -0.05, []
     for steps in (200, 400):
         table = point(options, f"shear_{steps}", SHEARED.format(factor=factor, press=press, steps=steps))
@@ -202,6 +202,6 @@ def test_sheared(options, sheet):
                    table["solid_fraction"][-1] * BULK / 1.0 * (matter - 1.0), 1.0e-9)
     print(f"sheared: errors of the share {errors[0]:.2e}, {errors[1]:.2e}")
     for steps, error in zip((200, 400), errors):
-        # grains have no pressure in the first step, so they do not climb in it
+        # grains have no pressure in the first step, so they do not dilate in it
         sheet.near(f"share of sheared grains, {steps} steps: its error", error, np.expm1(factor * 0.2 / steps), 1.0e-3)
     sheet.above("order of the share", np.log2(errors[0] / errors[1]), 0.95)

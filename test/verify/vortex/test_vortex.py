@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A ring of large rotation and shear with every basis: what smooth functions are for.
+"""A ring with large rotation and shear with every basis: the effect of smooth functions.
 
-Would catch: sizes of particles that do not follow the deformation, or follow it turned the wrong
-way (CPDI then is no better than GIMP), functions that are not smooth where particles cross cells,
-and walls or margins that disturb what is far from them.
+Would catch: sizes of particles that do not follow the deformation, or follow it with the wrong rotation (CPDI then is
+no better than GIMP), functions that are not smooth where particles cross cells, and walls or margins that affect
+distant material.
 
-The middle of the ring turns by one radian, and material lines by more (K. Kamojjala, R. Brannon,
-A. Sadeghirad, J. Guilkey, Eng. with Computers 31 (2015) 193). Error of displacement at the end over the
-greatest displacement, 10 and 20 cells a unit, 3 x 3 particles a cell, t = 0.45. Linear functions do not
-converge, as particles cross cells, and cpgimp hardly, as boxes do not turn.
+The centre circle of the ring rotates by one radian, and material lines by more (K. Kamojjala, R. Brannon, A.
+Sadeghirad, J. Guilkey, Eng. with Computers 31 (2015) 193). Error of displacement at the end over the greatest
+displacement, 10 and 20 cells a unit, 3 x 3 particles a cell, t = 0.45. Linear functions do not converge, because
+particles cross cells, and cpgimp hardly, because boxes do not rotate.
 
 Limits: target 2.5 % with 20 cells (H-1 in test/hard/README.md: cells crossed), which only CPDI meets. The others are
-known misses, held at two thirds of the error of the plain method, which must stay worse than all that converge, else
-the case shows nothing; all errors must fall with the cells. Momentum is kept to round-off.
+known misses, held at two thirds of the error of the plain method, which must be worse than all methods that converge;
+otherwise the case shows nothing. All errors must decrease with the cell size. Momentum is conserved to round-off.
 """
 # timeout: 150
 

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The vortex with DDMP: order of convergence, and the error beside that of quadratic splines.
+"""The vortex with DDMP: order of convergence, and the error compared with that of quadratic splines.
 
-Would catch: gradients that lose their order where a ring turns and shears over the cells, a mean
-stress that is cut off wrongly at free rims, linear velocity fields that are not turned with the
-material, rims that do not have their volume (the ring then drifts as a whole).
+Would catch: gradients that lose their order where a ring rotates and shears across the cells, a mean stress that is
+truncated wrongly at free rims, linear velocity fields that are not rotated with the material, rims with a wrong volume
+(the ring then drifts as a whole).
 
 Greatest error in the run over the greatest displacement, 10 and 20 cells a unit of length, which
-are 5 and 10 in the width of the ring, 4 x 4 particles a cell, rims cut. The errors are in
-doc/theory/verification.md; half of the gain is that of the transfer.
+are 5 and 10 across the width of the ring, 4 x 4 particles per cell, particles cut at the rims. The errors are in
+doc/theory/verification.md; half of the improvement is due to the transfer.
 
-Limits: order 1.8; 5 % with 10 cells, the part of the ring down to which second order is demanded, and with 20 cells
-what order 1.8 makes of that; a third of the error of quadratic splines with their defaults at 20 cells, which is the
-aim. On the way back from twist 1 DDMP fails, and so do quadratic splines; see doc/theory/verification.md.
+Limits: order 1.8; 5 % with 10 cells, the error down to which second order is required, and with 20 cells that error
+reduced at order 1.8; a third of the error of quadratic splines with their defaults at 20 cells, which is the target.
+When the ring rotates back from a twist of 1, DDMP fails, and so do quadratic splines; see doc/theory/verification.md.
 """
 # tiers: full, long
 # timeout: 200
@@ -27,7 +27,7 @@ import manufactured
     ("apic", 1.0, 0.5),
 ])
 def test_judge(options, sheet, transfer, twist, end):
-    """DDMP beside quadratic splines."""
+    """DDMP compared with quadratic splines."""
     setting = {"twist": twist, "end": end, "ppc": 4, "body": "packing='cut'"}
     dual = manufactured.vortex(options, f"ddmp {transfer}", words=f"{manufactured.CONTROL}  "
                                f"transfer='{transfer}'", **setting)
@@ -58,7 +58,7 @@ def test_table(options, sheet, twist):
 @pytest.mark.tiers("long")
 @pytest.mark.parametrize("transfer, twist, end", [("aflip", 0.3, 1.0), ("apic", 1.0, 0.5)])
 def test_affine_splines(options, sheet, transfer, twist, end):
-    """Quadratic splines with the transfer of test_judge: half of the gain is that of the transfer."""
+    """Quadratic splines with the transfer of test_judge: half of the improvement is due to the transfer."""
     line = manufactured.vortex(options, f"quadratic {transfer}", "mpm", f"basis='quadratic'  transfer='{transfer}'",
                                twist=twist, end=end, ppc=4, body="packing='cut'")
     sheet.below(f"quadratic {transfer}, twist {twist}: error at 20 cells", line.error(20), 0.02)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How pictures are drawn; `scree.picture` and `scree.radiograph` use it, and so do the commands of scree-post.
+"""Drawing of pictures, used by `scree.picture`, `scree.radiograph` and the commands of scree-post.
 
     page              a snapshot as a figure, and the areal density of one
     view, space       particles in a plane, and in space as lit balls (render)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Areal density of a snapshot along a line of sight.
 
-Every particle is spread over a tent as wide as its present size, or over the gaps between particles that moved apart
-(see `smear`), and the tent is integrated exactly over the pixels, so the image holds the mass of the particles to
-round-off. In axisymmetry the mass is first spread in (r, z) and every thin annulus is then projected exactly (Abel
-transform of a uniform annulus, integrated over the pixels), so no caustic noise appears. 3-D models are mirrored at
-their planes of symmetry.
+The mass of every particle is distributed by a tent function as wide as its current size, or over the gaps between
+particles that moved apart (see `smear`). The tent is integrated exactly over the pixels, so the mass in the image is
+that of the particles to round-off. In axisymmetry the mass is first distributed in (r, z), and every thin annulus is
+then projected exactly (Abel transform of a uniform annulus, integrated over the pixels), so there is no noise from
+caustics. 3-D models are mirrored at their planes of symmetry.
 """
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
     from ..files import Snapshot
     from .view import Window
 
-MOVING = 0.05            # matter faster than this share of the top speed is flying
-LEADING = 1.0e-3         # the leading edge is this share of the flying mass
-MOST_DOTS = 200000       # particles of a snapshot that are kept to be drawn one by one
+MOVING = 0.05            # material faster than this fraction of the greatest speed counts as flying
+LEADING = 1.0e-3         # fraction of the flying mass ahead of the leading edge
+MOST_DOTS = 200000       # greatest number of particles of a snapshot that are drawn individually
 LARGEST_IMAGE = 40000000 # pixels
 
 
 @dataclass
 class Frame:
-    """The radiograph of one snapshot and what is drawn beside it."""
+    """The radiograph of one snapshot and the data that are drawn with it."""
 
     time: float            # [s]
     sigma: Array         # areal density (vertical, horizontal) [kg/m2]
@@ -49,7 +49,7 @@ class Frame:
 
     @property
     def mass_error(self) -> float:
-        """Relative difference of the mass in the image and in the particles."""
+        """Relative difference between the mass in the image and that of the particles."""
         image = float(self.sigma.sum()) * self.pixel ** 2
         return abs(image - self.mass) / self.mass if self.mass > 0.0 else 0.0
 
@@ -64,13 +64,13 @@ def tent_moments(u: Array) -> tuple[Array, Array]:
 
 def tent_weights(position: Array, half: Array, low: float, pixel: float, count: int, radial: bool) -> tuple[Array,
                  Array]:
-    """First pixel and shares of the pixels under each tent; `radial` weights the tent by radius."""
+    """First pixel, and fractions in the pixels under each tent; `radial` weights the tent by radius."""
     first = np.floor((position - half - low) / pixel).astype(np.int64)
     index = first[:, None] + np.arange(count + 1)
     total, moment = tent_moments((low + index * pixel - position[:, None]) / half[:, None])
     weight = np.diff(total, axis=1)
     index = index[:, :-1]
-    if radial:  # low is 0 here; what passes the axis folds back
+    if radial:  # low is 0 here; parts beyond the axis are folded back
         weight = position[:, None] * weight + half[:, None] * np.diff(moment, axis=1)
         weight = np.where(index < 0, -weight, weight)
         weight /= weight.sum(axis=1, keepdims=True)
@@ -91,7 +91,7 @@ def deposit(points: Sequence[Array], mass: Array, half: Array, low: Sequence[flo
     foot = [np.ceil(2.0 * half / pixel[d]).astype(np.int64) + 1 for d in (0, 1)]
     order = np.argsort(foot[0], kind="stable")
     begin = 0
-    while begin < len(order):  # chunks of particles of about the same size
+    while begin < len(order):  # groups of particles of about the same size
         span = max(foot[0][order[begin]], 4)
         end = begin + int(np.searchsorted(foot[0][order[begin:]], 1.5 * span, side="right"))
         end = min(max(end, begin + 1), begin + max(1, int(2.0e6 / (1.5 * span) ** 2)))
@@ -99,7 +99,7 @@ def deposit(points: Sequence[Array], mass: Array, half: Array, low: Sequence[flo
         (column, across), (row, along) = (
             tent_weights(points[d][chosen], half[chosen], low[d], pixel[d],
                          int(foot[d][chosen].max()), radial and d == 1) for d in (0, 1))
-        # The foot of a small particle in a chunk of larger ones runs on with weights of zero.
+        # The tent of a small particle in a group of larger ones is continued with weights of zero.
         column, row = np.minimum(column, shape[1] - 1), np.minimum(row, shape[0] - 1)
         flat = row[:, :, None] * shape[1] + column[:, None, :]
         share = mass[chosen][:, None, None] * along[:, :, None] * across[:, None, :]
@@ -109,10 +109,10 @@ def deposit(points: Sequence[Array], mass: Array, half: Array, low: Sequence[flo
 
 
 def annulus_projection(radius_edges: Array, edges: Array) -> Array:
-    """Share of the mass of each uniform annulus that projects onto each pixel (annulus, pixel).
+    """Fraction of the mass of each uniform annulus that projects onto each pixel (annulus, pixel).
 
-    Integral of the Abel transform of a ring, m / (pi sqrt(r2 - x2)), over annulus and pixel: a disc
-    of radius r has the share (asin u + u sqrt(1 - u2)) / pi between the axis and x = u r.
+    Integral of the Abel transform of a ring, m / (pi sqrt(r2 - x2)), over annulus and pixel: the fraction of a disc of
+    radius r between the axis and x = u r is (asin u + u sqrt(1 - u2)) / pi.
     """
     outer = radius_edges[:, None]
     u = np.clip(edges[None, :] / np.where(outer > 0.0, outer, 1.0), -1.0, 1.0)
@@ -122,7 +122,7 @@ def annulus_projection(radius_edges: Array, edges: Array) -> Array:
 
 
 def checked(snap: Snapshot) -> tuple[Array, Array]:
-    """Mass and velocity of a snapshot that can be drawn."""
+    """Mass and velocity of a snapshot; an error if it lacks the fields for a radiograph."""
     if snap.dimension == "1d":
         raise ScreeError(
             f"{snap.file}: a one-dimensional run has no radiograph", EXIT_USAGE
@@ -134,7 +134,7 @@ def checked(snap: Snapshot) -> tuple[Array, Array]:
 
 
 def leading_edge(position: Array, mass: Array, speed: Array, towards: float) -> tuple[float, float]:
-    """Position and mean speed of the foremost flying matter along the direction of flight."""
+    """Position and mean speed of the foremost flying material along the direction of flight."""
     if len(mass) == 0 or mass.sum() <= 0.0:
         return math.nan, math.nan
     ahead = speed * towards
@@ -151,17 +151,17 @@ SMEARS = ("spacing", "volume")
 
 
 def parts_of(snap: Snapshot, positions: Array, size: Array, smear: str) -> tuple[Array, Array, Array, Array]:
-    """Rows, positions, shares of mass and half widths of what is drawn, see `smear`."""
+    """Rows, positions, mass fractions and half widths of the parts of particles to be drawn, see `smear`."""
     rows = np.arange(len(size))
     if smear == "volume" or len(size) == 0:
         return rows, positions, np.ones(len(size)), size
     plane = [0, 1, 2] if snap.dimension == "3d" else [0, 2]
-    failed = snap.fields.get("failed")                   # intact material that moved apart has the volume for it
+    failed = snap.fields.get("failed")                   # separated intact material has the corresponding volume
     loose = np.ones(len(size), bool) if failed is None else failed >= 0.5
     rows, offsets, share, half = smeared(positions[:, plane], size, loose)
     moved = positions[rows]
     moved[:, plane] += offsets
-    if snap.dimension == "axisymmetric":                 # what passes the axis is on the other side
+    if snap.dimension == "axisymmetric":                 # parts beyond the axis are on the other side
         moved[:, 0] = np.abs(moved[:, 0])
     return rows, moved, share, half
 
@@ -169,8 +169,8 @@ def parts_of(snap: Snapshot, positions: Array, size: Array, smear: str) -> tuple
 def radiograph(snap: Snapshot, pixel: float, sight: str = "y", towards: float = 1.0, smear: str = "spacing") -> Frame:
     """The radiograph of a snapshot, line of sight along x or y, z to the right.
 
-    With `smear` "volume" every particle is as wide as its volume; with "spacing" particles that moved apart are spread
-    over the gaps between them.
+    With `smear` "volume" the width of every particle follows from its volume; with "spacing" separated particles are
+    spread over the gaps between them.
     """
     if smear not in SMEARS:
         raise unknown("value of smear", smear, SMEARS)
@@ -187,8 +187,8 @@ def radiograph(snap: Snapshot, pixel: float, sight: str = "y", towards: float = 
     drawn, whose, _ = images(dataclasses.replace(snap, points=places))
     spread = (mass[part] * share)[whose]
     mass, size = mass[rows], size[rows]
-    # No widening to a pixel: the tents are integrated over the pixels, and tents as wide as the
-    # spacing of the particles add up to an even density, wider ones do not.
+    # Tents are not widened to a pixel: they are integrated over the pixels, and tents as wide as the spacing of the
+    # particles add up to a uniform density, while wider ones do not.
     half = np.maximum(half[whose], 1.0e-3 * pixel)
     along, across = drawn[:, 2], drawn[:, side]
     reach = float(half.max()) if len(half) else pixel
@@ -236,7 +236,7 @@ def grid_range(lows: Array, highs: Array, pixel: float) -> tuple[int, int]:
 
 
 def dots(snap: Snapshot, positions: Array, size: Array, rows: Array, side: int) -> dict[str, Array]:
-    """Particles of the lowest row: those of a meridional slice, mirrored in r where it is round."""
+    """Particles of the lowest row: those of a meridional slice, mirrored in r in axisymmetry."""
     across, along = positions[:, side], positions[:, 2]
     if snap.dimension == "3d" and len(size):
         depth = positions[:, 1 - side]
@@ -245,7 +245,7 @@ def dots(snap: Snapshot, positions: Array, size: Array, rows: Array, side: int) 
     else:
         keep = np.ones(len(across), bool)
     chosen = np.flatnonzero(keep)
-    if len(chosen) > MOST_DOTS:                          # the same ones at every call
+    if len(chosen) > MOST_DOTS:                          # the same selection in every call
         chosen = np.sort(np.random.default_rng(1).choice(chosen, MOST_DOTS, replace=False))
     source = rows[chosen]
     failed = snap.fields.get("failed", snap.fields.get("damage", np.zeros(len(snap.points))))

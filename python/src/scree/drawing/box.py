@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The box of a run: its corners, cells and faces, from the echo of the deck in a snapshot."""
+"""The box of a run: its corners, cells and boundaries, from the echo of the deck in a snapshot."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Box:
-    """Corners and faces; None where the file does not tell."""
+    """Corners and boundaries; None where the file lacks the information."""
 
     low: Array | None = None                                   # lower corner (3) [m]
     high: Array | None = None                                  # upper corner (3) [m]
@@ -32,7 +32,7 @@ class Box:
 
 @dataclass
 class Edges:
-    """Corners and cells of a box that are known."""
+    """Corners and cells of a box for which both are known."""
 
     low: Array                                           # lower corner (3) [m]
     high: Array                                          # upper corner (3) [m]
@@ -40,7 +40,7 @@ class Edges:
 
 
 def box_of(snap: Snapshot) -> Box:
-    """The box of a snapshot. Attributes grid_lo and grid_hi of /provenance win over the echo."""
+    """The box of a snapshot. Attributes grid_lo and grid_hi of /provenance have priority over the echo."""
     box = Box()
     for grid in groups(snap.echo, "grid"):
         box.low, box.high = (np.array(grid[key], float) if key in grid else None for key in ("lo", "hi"))
@@ -59,7 +59,7 @@ def box_of(snap: Snapshot) -> Box:
 
 
 def mirror_plane(snap: Snapshot, axis: int, face: str) -> float | None:
-    """Where a plane of symmetry lies [m]; None where the file does not tell."""
+    """Position of a plane of symmetry [m]; None where the file lacks the information."""
     corner = box_of(snap).low if face == "lo" else box_of(snap).high
     return None if corner is None else float(corner[axis])
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What particles are coloured by: a field, a component of one, the body; ranges and colour maps.
+"""Colouring of particles: by a field, a component of one, or the body; ranges and colour maps.
 
-All maps can be read with any colour vision: viridis for sizes, coolwarm for numbers of both signs,
-and the colours of Okabe and Ito for bodies and other whole numbers. Fragments have these from the
-heaviest on, small ones pale tints that repeat, what belongs to none grey.
+All maps can be read with any colour vision: viridis for magnitudes, coolwarm for numbers of both signs, and the colours
+of Okabe and Ito for bodies and other integers. The heaviest fragments have these colours, small fragments have pale
+tints that repeat, and particles of no fragment are grey.
 """
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ if TYPE_CHECKING:
 
 WHOLE = ("body", "material", "failed", "fragment")
 FAILED = ("intact", "failed")
-NO_FRAGMENT = "#c8c8c8"                                  # dust and what does not count
-NAMED = 6                                                # fragments with a colour of their own
-FEW = 2                                                  # fragments that are worth telling apart by default
-PALE = 0.55                                              # share of white in the tints of the others
+NO_FRAGMENT = "#c8c8c8"                                  # small fragments and particles that are not counted
+NAMED = 6                                                # fragments with a separate colour
+FEW = 2                                                  # number of fragments that are distinguished by default
+PALE = 0.55                                              # fraction of white in the tints of the other fragments
 MAPS = ("viridis", "cividis", "inferno", "magma", "plasma", "coolwarm", "PuOr", "gray")
 
 
-Tint = Any                # a colour that matplotlib knows
+Tint = Any                # a colour that matplotlib accepts
 
 
 @dataclass
 class Colour:
-    """What one film is coloured by: `factor` and `unit` are those of the label."""
+    """The colouring of one film: `factor` and `unit` are those of the label."""
 
     name: str                                            # as on the command line
     label: str
@@ -50,7 +50,8 @@ class Colour:
     map: str = "viridis"
     names: tuple[str, ...] = ()                                    # of integers, such as bodies
     tints: tuple[Tint, ...] = ()                                    # of fragments, see fragment_tints
-    beyond: tuple[bool, bool] = (False, False)                       # whether numbers lie below, above
+    # whether there are numbers below and above the range
+    beyond: tuple[bool, bool] = (False, False)
     log: bool = False                                    # logarithmic scale
 
 
@@ -61,7 +62,7 @@ def field_of(name: str) -> tuple[str, str]:
 
 
 def choices(snap: Snapshot) -> list[str]:
-    """All names that particles of a snapshot can be coloured by."""
+    """All names by which particles of a snapshot can be coloured."""
     found = []
     for name, values in sorted(snap.fields.items()):
         found.append(name)
@@ -82,7 +83,7 @@ def values_of(snap: Snapshot, name: str) -> Array:
     values = snap.fields[field]
     if field == "body":
         return snap.body_rows()
-    if field == "material" and snap.materials:           # the file counts from 1
+    if field == "material" and snap.materials:           # indices in the file start from 1
         return values.astype(int) - 1
     if values.ndim == 1:
         if part:
@@ -101,7 +102,7 @@ def values_of(snap: Snapshot, name: str) -> Array:
 
 def fragment_size(snap: Snapshot) -> Array:
     """Diameter [m] of the sphere with the volume of the fragment of each particle, in a plane of the circle with its
-    area; not a number where a particle belongs to none."""
+    area; NaN for particles of no fragment."""
     number, _ = snap.need("fragment", "volume")
     number = number.astype(int)
     size = particle_size(snap)
@@ -113,7 +114,7 @@ def fragment_size(snap: Snapshot) -> Array:
 
 
 def default_name(snap: Snapshot) -> str:
-    """What particles are coloured by unless the user says: size where there are fragments, else speed."""
+    """Default for the colouring of particles: the size of fragments if there are any, otherwise the speed."""
     number = snap.fields.get("fragment")
     several = number is not None and len(np.unique(number[number > 0])) >= FEW
     return "fragment_size" if several else "velocity"
@@ -129,11 +130,11 @@ def label_of(snap: Snapshot, name: str) -> str:
 
 def colour_for(name: str, snaps: Sequence[Snapshot], wanted: Sequence[float] | None = None,
                chosen_map: str | None = None) -> Colour:
-    """The colour of a film: ranges over the given snapshots, or those asked for [SI]."""
+    """The colouring of a film: ranges over the given snapshots, or the requested ranges [SI]."""
     snap = next((one for one in snaps if len(one.points)), snaps[0])
     field, _ = field_of(name)
     if field in WHOLE:
-        values_of(snap, name)                            # complains if there is none
+        values_of(snap, name)                            # raises an error if there is none
         count = max((int(values_of(one, name).max()) for one in snaps if len(one.points)),
                     default=0) + 1
         if field == "fragment":
@@ -167,7 +168,8 @@ def colour_for(name: str, snaps: Sequence[Snapshot], wanted: Sequence[float] | N
 
 
 def fragment_tints() -> tuple[Tint, ...]:
-    """Colours of fragments: none, the heaviest ones, and those that all others share in turn."""
+    """Colours of fragments: that of no fragment, those of the heaviest ones, and those that all others share in
+    turn."""
     rgb = look.pyplot().matplotlib.colors.to_rgb
     full = [rgb(tint) for tint in look.COLOURS[:NAMED]]
     pale = [tuple(PALE + (1.0 - PALE) * part for part in tint) for tint in full]
@@ -175,7 +177,8 @@ def fragment_tints() -> tuple[Tint, ...]:
 
 
 def fragment_names(numbers: Array) -> tuple[str, ...]:
-    """Lines of a legend for these numbers of fragments: the heaviest, all others in one line, none."""
+    """Lines of a legend for these numbers of fragments: the heaviest, one line for all others, and particles of no
+    fragment."""
     most = int(max(numbers, default=0))
     names = [str(number) for number in range(1, min(most, NAMED) + 1)]
     if names:
@@ -184,7 +187,7 @@ def fragment_names(numbers: Array) -> tuple[str, ...]:
 
 
 def fragment_patches(colour: Colour) -> list[Any]:
-    """A coloured patch for each line of the legend of fragments, several for the others."""
+    """A coloured patch for each line of the legend of fragments; several patches for the line of the others."""
     from matplotlib.patches import Patch
     patch = [Patch(color=tint) for tint in colour.tints]
     return [patch[0] if name == "none" else tuple(patch[NAMED + 1:NAMED + 5]) if name == "others"
@@ -192,7 +195,7 @@ def fragment_patches(colour: Colour) -> list[Any]:
 
 
 def sensible(values: Array) -> tuple[float, float]:
-    """A range that a few stray particles do not stretch."""
+    """A range that is not widened by a few outliers."""
     if len(values) == 0:
         return 0.0, 1.0
     low, high = (float(np.quantile(values, share)) for share in (0.002, 0.998))
@@ -208,7 +211,7 @@ def sensible(values: Array) -> tuple[float, float]:
 
 
 def paint(colour: Colour, values: Array) -> Array:
-    """Colours (n, 4) of numbers [SI]; not-a-number is grey."""
+    """Colours (n, 4) of numbers [SI]; NaN is grey."""
     plot = look.pyplot()
     if colour.tints:
         tints = np.array([plot.matplotlib.colors.to_rgba(tint) for tint in colour.tints])
@@ -228,7 +231,7 @@ def paint(colour: Colour, values: Array) -> Array:
 
 
 def tints_of(colour: Colour) -> tuple[str, ...]:
-    """Colours of whole numbers."""
+    """Colours of integers."""
     return ("#0072b2", "#e69f00") if colour.names == FAILED else look.COLOURS
 
 

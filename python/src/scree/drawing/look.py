@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The look shared by all pictures: letters, colours, units that can be read, saving."""
+"""The common style of all pictures: fonts, colours, readable units, saving."""
 from __future__ import annotations
 
 import math
@@ -11,16 +11,16 @@ from ..errors import EXIT_USAGE, ScreeError, modules
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Colours that people with any colour vision tell apart (Okabe and Ito 2008).
+# Colours that can be distinguished with any colour vision (Okabe and Ito 2008).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
 SEQUENTIAL, SIGNED = "viridis", "coolwarm"               # colour maps of sizes, and of numbers of both signs
-HEAT, SOOT = "magma", "cividis"                          # further maps of sizes, for a second field on a page
-LARGEST = 250000         # bytes of a picture that keeps all its colours
+HEAT, SOOT = "magma", "cividis"                          # further maps of magnitudes, for a second field on a page
+LARGEST = 250000         # bytes up to which a picture keeps all its colours
 ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 
 def pyplot() -> Any:
-    """Matplotlib in the look shared by all pictures."""
+    """Matplotlib with the common style of all pictures."""
     (plot,) = modules("matplotlib.pyplot")
     plot.rcParams.update({
         "font.family": "DejaVu Sans", "font.size": 11, "axes.titlesize": 11, "axes.labelsize": 11,
@@ -38,7 +38,7 @@ def words(name: str) -> str:
 
 
 def check_picture(path: str, option: str = "--out") -> None:
-    """Refuse a picture of an unknown kind or in no folder before any work is done."""
+    """Refuse a picture of an unknown format or in a folder that does not exist, before any work is done."""
     if os.path.splitext(path)[1].lower() not in ENDINGS:
         raise ScreeError(f"{option} {path}: write a .png, .pdf, .svg, .jpg or .tif", EXIT_USAGE)
     folder = os.path.dirname(path) or "."
@@ -65,13 +65,13 @@ STEPS: dict[str, tuple[tuple[float, float, str], ...]] = {   # least size, facto
 
 
 def scaled(largest: float, unit: str) -> tuple[float, str]:
-    """Factor and label that make numbers of this size readable, such as (1e6, "µs"); other units stay."""
+    """Factor and label that make numbers of this magnitude readable, such as (1e6, "µs"); other units are unchanged."""
     steps = STEPS.get(unit, ((0.0, 1.0, unit),))
     return next(((factor, label) for bound, factor, label in steps if largest >= bound), steps[-1][1:])
 
 
 def readable_unit(size: float, unit: str) -> tuple[float, str]:
-    """Factor and unit for an axis whose largest number has this size: (1e-6, "MPa"), or (1e-6, "$10^{6}$ 1/s")."""
+    """Factor and unit for an axis whose largest number has this magnitude: (1e-6, "MPa"), or (1e-6, "$10^{6}$ 1/s")."""
     if not (size > 0.0 and math.isfinite(size)) or unit == "":
         return 1.0, unit
     if unit in STEPS:
@@ -83,7 +83,7 @@ def readable_unit(size: float, unit: str) -> tuple[float, str]:
 
 
 def save(figure: Figure, path: str, dpi: float) -> None:
-    """Write a picture under a temporary name, then rename it, so that no half picture is left."""
+    """Write a picture under a temporary name, then rename it, so that no incomplete picture remains."""
     stem, ending = os.path.splitext(path)
     check_picture(path)
     part = f"{stem}.part{ending}"
@@ -99,7 +99,7 @@ def save(figure: Figure, path: str, dpi: float) -> None:
 
 
 def make_small(path: str | os.PathLike[str], largest: int = LARGEST, dither: bool = False) -> None:
-    """Leave 256 colours to a picture in a file of more bytes than that; dots of several colours stand for others."""
+    """Reduce a picture whose file has more bytes than that to 256 colours; other colours are dithered."""
     (image,) = modules("PIL.Image")
     if os.path.getsize(path) > largest:
         with image.open(path) as page:
@@ -111,6 +111,7 @@ def make_small(path: str | os.PathLike[str], largest: int = LARGEST, dither: boo
             lightest = max(range(0, len(entries), 3), key=lambda first: sum(entries[first:first + 3]))
             entries[lightest:lightest + 3] = [255, 255, 255]
             white = page.convert("L").point(lambda level: 255 * (level == 255))
-            few.paste(lightest // 3, mask=white)                                  # the page stays white
+            # the background of the page is exactly white
+            few.paste(lightest // 3, mask=white)
             few.putpalette(entries)
         few.save(path, optimize=True)

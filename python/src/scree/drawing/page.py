@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures and numbers of one snapshot: what the commands picture and radiograph and the package scree share.
+"""Figures and numbers of one snapshot: common parts of the commands picture and radiograph and of the package scree.
 
     figure = drawing.picture("out/case/case_p_000012.hdf", drawing.options(colour="pressure", camera="x"))
     frame = drawing.radiograph("out/case/case_p_000012.hdf")
@@ -55,7 +55,7 @@ def picture(file: str, arguments: argparse.Namespace) -> tuple[Figure, Snapshot]
 
 
 def flight(snap: Snapshot) -> float:
-    """+1 if the material flies towards larger z, -1 if its momentum points the other way."""
+    """+1 if the material flies towards larger z, -1 if its momentum has the opposite direction."""
     mass, velocity = checked(snap)
     momentum = mass * velocity[:, 2]
     return -1.0 if momentum.sum() < -0.01 * np.abs(momentum).sum() else 1.0

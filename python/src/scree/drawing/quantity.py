@@ -26,7 +26,7 @@ def factor(unit: str) -> float | None:
 
 
 def in_unit(unit: str) -> Callable[[str], float]:
-    """A reader like `quantity` whose bare numbers are in a unit such as us."""
+    """A reader like `quantity` for which numbers without a unit are in a given unit such as us."""
     scale = factor(unit) or 1.0
 
     def read(text: str) -> float:

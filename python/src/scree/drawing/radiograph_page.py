@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page of a radiograph: film, areal density and particles, a column for each time."""
+"""The page of a radiograph: film, areal density and particles, one column for each time."""
 from __future__ import annotations
 
 import math
@@ -24,7 +24,7 @@ TINTS = (("#d55e00", "#f2b48a"), ("#0072b2", "#8fc1e3"), ("#009e73", "#99d8c7"),
 
 
 def exposure(frame: Frame) -> float:
-    """Absorption [m2/kg], rounded to 1, 2, 5, at which a quarter of the cloud halves the light."""
+    """Absorption [m2/kg], rounded to 1, 2, 5, at which a quarter of the cloud reduces the light to half or less."""
     seen = frame.sigma[frame.sigma > 1.0e-3 * frame.sigma.max()] if frame.sigma.max() > 0.0 else []
     if len(seen) == 0:
         return 1.0
@@ -36,7 +36,7 @@ def exposure(frame: Frame) -> float:
 
 
 def density_range(sigma: Array, factor: float) -> tuple[float, float]:
-    """Three decades of areal density; what is seen edge-on, such as the sheet, may lie above."""
+    """Three decades of areal density; thin material seen edge-on, such as the sheet, may exceed them."""
     seen = sigma[sigma > 1.0e-4 * sigma.max()] if sigma.max() > 0.0 else np.ones(1)
     top = scale_bar(5.0 * factor * float(np.quantile(seen, 0.95)))
     return 1.0e-3 * top, top
@@ -44,7 +44,7 @@ def density_range(sigma: Array, factor: float) -> tuple[float, float]:
 
 def shown_box(frames: Sequence[Frame], floor: float, view: Sequence[float] | None) -> tuple[list[tuple[float, float]],
               tuple[float, float]]:
-    """Horizontal range of each frame and common vertical range, where anything is seen [m]."""
+    """Horizontal range of each frame and common vertical range that contain material [m]."""
     ranges, low, high = [], math.inf, -math.inf
     for frame in frames:
         left, right, bottom, top = frame.box
@@ -64,7 +64,7 @@ def shown_box(frames: Sequence[Frame], floor: float, view: Sequence[float] | Non
 
 
 class Picture:
-    """Places panels on a page: a column per frame, or three kinds side by side for one frame."""
+    """Positions of the panels on a page: a column per frame, or three kinds side by side for one frame."""
 
     def __init__(self, frames: Sequence[Frame], title: str, options: Mapping[str, Any],
                  common: dict[str, Any] | None = None) -> None:
@@ -86,7 +86,7 @@ class Picture:
         self.flip = options["towards"] < 0.0
 
     def common(self) -> dict[str, Any]:
-        """What all frames of a film share."""
+        """Data that all frames of a film share."""
         box = [(min(a for a, _ in self.spans), max(b for _, b in self.spans))]
         return {"range": self.range, "box": (box, self.height), "mu": self.mu}
 
@@ -99,7 +99,7 @@ class Picture:
         rows = 1 if self.lone else 3
         width = 14.0
         room = width - left - right - gap * (len(spans) - 1)
-        least = 0.55 * max(b - a for a, b in spans)      # narrow frames keep room for their title
+        least = 0.55 * max(b - a for a, b in spans)      # narrow frames need space for their title
         spans = [(a, b) if b - a >= least else ((a + b - least) / 2, (a + b + least) / 2)
                  for a, b in spans]
         self.shortest = min(b - a for a, b in spans)
@@ -147,7 +147,7 @@ class Picture:
         axes.set_ylim(k * self.height[0], k * self.height[1])
 
     def scatter(self, axes: Axes, frame: Frame, scale: float) -> None:
-        """Particles as dots of their own size, failed ones below the intact ones."""
+        """Particles as dots of their own size, failed ones drawn below the intact ones."""
         from matplotlib.collections import EllipseCollection
         spot = frame.dots
         least = 0.45 / 72.0 / scale                      # never thinner than half a point
@@ -191,7 +191,7 @@ class Picture:
             self.scale_bar(axes, ("black", "white")[kind], self.frames[0 if self.lone else number])
 
     def scale_bar(self, axes: Axes, ink: str, frame: Frame) -> None:
-        """Scale bar, of one length on the page, where the picture is emptiest."""
+        """Scale bar, of the same length on the page, at the emptiest position of the picture."""
         span = abs(axes.get_xlim()[1] - axes.get_xlim()[0])
         wide, tall = (side * page for side, page in zip(axes.get_position().size,
                                                         cast("Figure", axes.figure).get_size_inches()))
@@ -237,7 +237,7 @@ class Picture:
             )
 
     def headings(self, figure: Figure, panels: Sequence[tuple[int, Axes]], page: float, high: float) -> None:
-        """Name of each row (or of each panel of a lone frame), colour bar and legend."""
+        """Name of each row (or of each panel of a single frame), colour bar and legend."""
         mu = f"transmission exp($-$µΣ), µ = {self.mu:g} m$^2$/kg"
         words = (("Film: " if self.lone else "Radiograph: ") + mu,
                  f"Areal density Σ [{self.unit}]", "Particles by body")
@@ -287,7 +287,7 @@ class Picture:
 
 
 def mass_under(frame: Frame, along: Sequence[float], across: Sequence[float]) -> float:
-    """Mass in a rectangle of the image [kg], with some room around it."""
+    """Mass in a rectangle of the image [kg], with a margin around it."""
     room = 0.02 * (frame.box[1] - frame.box[0])
     first = [max(0, int((low - room - edge) / frame.pixel))
              for low, edge in ((along[0], frame.box[0]), (across[0], frame.box[2]))]
@@ -297,7 +297,7 @@ def mass_under(frame: Frame, along: Sequence[float], across: Sequence[float]) ->
 
 
 def scale_bar(longest: float) -> float:
-    """Longest of 1, 2, 5 times a power of ten that is not longer."""
+    """Longest of 1, 2, 5 times a power of ten that does not exceed a length."""
     decade = 10.0 ** math.floor(math.log10(longest))
     return max(
         step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1.0e-9)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Lit pictures of balls in parallel projection, computed with numpy alone: no display, no OpenGL.
+"""Shaded pictures of spheres in parallel projection, computed with numpy alone: without display and OpenGL.
 
-A depth buffer finds the ball in front in each pixel. Light comes from the upper left of the viewer; a second depth
-buffer, seen from the light, gives shadows. Pixels that lie behind their surroundings are darkened, which shows the
-depth of a cloud (T. Luft, C. Colditz and O. Deussen, ACM Trans. Graph. 25 (2006) 1206).
+A depth buffer finds the foremost sphere in each pixel. Light comes from the upper left of the viewer; a second depth
+buffer, from the direction of the light, gives shadows. Pixels that are deeper than their surroundings are darkened,
+which shows the depth of a cloud (T. Luft, C. Colditz and O. Deussen, ACM Trans. Graph. 25 (2006) 1206).
 """
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
     from ..arrays import Array, Bools
     from .view import Window
 
-LEAST = 0.8              # smallest radius of a ball [pixels]
+LEAST = 0.8              # smallest radius of a sphere [pixels]
 LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])   # right, up, towards the viewer
 AMBIENT, DIFFUSE, SHINE = 0.50, 0.62, 0.10
-SHADOW = 0.45            # share of the light that a shadow takes
-DARKEST = 0.45           # share of the colour that depth darkening takes at most
-GRAIN = 1.3              # radius of a ball in the buffer of the light [pixels]
+SHADOW = 0.45            # fraction of the light that a shadow removes
+DARKEST = 0.45           # greatest fraction of the colour that depth darkening removes
+GRAIN = 1.3              # radius of a sphere in the buffer of the light [pixels]
 MOST_LIGHT = 3000        # pixels along a side of that buffer
 
 
 @dataclass
 class Balls:
-    """Balls in the directions right, up and towards the viewer, with one unit of length."""
+    """Spheres in the directions right, up and towards the viewer, with one unit of length."""
 
     right: Array                                       # (n)
     up: Array                                          # (n)
@@ -38,16 +38,17 @@ class Balls:
 
 
 def disc_offsets(reach: int) -> list[tuple[int, int]]:
-    """Pairs of integers within a square around a pixel, the corners that no ball reaches left out."""
+    """Pairs of integers within a square around a pixel, without the corners that no sphere reaches."""
     steps = range(-reach, reach + 1)
     return [(i, j) for i in steps for j in steps
             if max(abs(i) - 1, 0) ** 2 + max(abs(j) - 1, 0) ** 2 < (reach + 1) ** 2]
 
 
 def splat(column: Array, row: Array, near: Array, radius: Array, shape: tuple[int, int]) -> tuple[Array, Array]:
-    """Depth and number of the ball in front in each pixel of an image (height, width); -inf and -1 where there is none.
+    """Depth and index of the foremost sphere in each pixel of an image (height, width); -inf and -1 where there is
+    none.
 
-    Places and radii are in pixels, rows count downwards.
+    Positions and radii are in pixels, rows count downwards.
     """
     high, wide = shape
     depth, owner = np.full(high * wide, -np.inf), np.full(high * wide, -1, np.int32)
@@ -86,7 +87,7 @@ def box_mean(image: Array, reach: int) -> Array:
 
 
 def depth_shade(depth: Array, drawn: Bools, reach: int, scale: float) -> Array:
-    """Factor of the colour, below 1 where a pixel lies behind the mean of its surroundings."""
+    """Factor of the colour, below 1 where a pixel is deeper than the mean of its surroundings."""
     if not drawn.any():
         return np.ones(depth.shape)
     level = np.where(drawn, depth, depth[drawn].min() - scale)
@@ -98,14 +99,14 @@ def depth_shade(depth: Array, drawn: Bools, reach: int, scale: float) -> Array:
 
 
 def light_axes() -> tuple[Array, Array, Array]:
-    """Two directions across the light, and the light, in right, up and near."""
+    """Two directions normal to the light, and the direction of the light, in right, up and near."""
     across = np.cross([0.0, 1.0, 0.0], LIGHT)
     across /= np.linalg.norm(across)
     return across, np.cross(LIGHT, across), LIGHT
 
 
 def lit_share(balls: Balls, points: Array) -> Array:
-    """Share of the light that reaches points (m, 3), 0 in a full shadow."""
+    """Fraction of the light that reaches points (m, 3), 0 in a full shadow."""
     axes = light_axes()
     centres = np.stack([balls.right, balls.up, balls.near], axis=1)
     seen = [centres @ axis for axis in axes]
@@ -127,7 +128,7 @@ def lit_share(balls: Balls, points: Array) -> Array:
 
 
 class Image:
-    """An image of balls: the window is left, right, bottom, top in the unit of the balls."""
+    """An image of spheres: the window is left, right, bottom, top in the unit of the spheres."""
 
     def __init__(self, wide: int, high: int, window: Window, balls: Balls) -> None:
         self.shape, self.window = (high, wide), window
@@ -142,7 +143,7 @@ class Image:
             self.colour[self.drawn] = self.shaded(balls, owner, column, row, radius)
 
     def shaded(self, balls: Balls, owner: Array, column: Array, row: Array, radius: Array) -> Array:
-        """Colours (m, 3) of the pixels that balls cover."""
+        """Colours (m, 3) of the pixels that spheres cover."""
         pixel_row, pixel_column = np.nonzero(self.drawn)
         ball = owner[self.drawn]
         right = (pixel_column + 0.5 - column[ball]) / radius[ball]
@@ -168,7 +169,7 @@ class Image:
                          (self.window[3] - points[..., 1]) / self.pixel, points[..., 2] / self.pixel], axis=-1)
 
     def facet(self, corners: Array, tint: Any, opacity: float) -> None:
-        """Blend a plane convex piece with corners (n, 3) over what lies behind it."""
+        """Blend a plane convex polygon with corners (n, 3) over the image behind it."""
         spots = self.place(corners)
         for second in range(1, len(spots) - 1):
             self.triangle(spots[[0, second, second + 1]], np.asarray(tint), opacity)
@@ -194,7 +195,7 @@ class Image:
                                      self.colour[part])
 
     def line(self, start: Array, end: Array, tint: Sequence[float], width: float = 2.0) -> None:
-        """A line between two points, hidden where balls lie before it."""
+        """A line between two points, hidden where spheres are in front of it."""
         spots = self.place(np.array([start, end]))
         count = int(2.0 * np.abs(spots[1, :2] - spots[0, :2]).max()) + 2
         if count > 20 * max(self.shape):
@@ -210,7 +211,7 @@ class Image:
                 self.colour[row[seen], column[seen]] = tint
 
     def halved(self, factor: int) -> Array:
-        """Bytes (height, width, 3) of the image, means of squares of `factor` pixels."""
+        """Bytes (height, width, 3) of the image, means over squares of `factor` pixels."""
         high, wide = (factor * (side // factor) for side in self.shape)
         blocks = self.colour[:high, :wide].reshape(high // factor, factor, wide // factor, factor, 3)
         return np.asarray(255.0 * blocks.mean(axis=(1, 3)) + 0.5).astype("u1")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..arrays import Array
     from ..files import Snapshot
 
-MOST_STRETCH = 16.0      # square of the longest edge over the area; more is drawn as a square
+MOST_STRETCH = 16.0      # square of the longest edge over the area; longer particles are drawn as squares
 
 
 def widths(dimension: str, volume: Array, radius: Array, thickness: Callable[[int], float]) -> Array:
@@ -37,15 +37,15 @@ def widths(dimension: str, volume: Array, radius: Array, thickness: Callable[[in
 
 
 def particle_size(snap: Snapshot) -> Array:
-    """Present width of each particle in the plane of the model [m]."""
+    """Current width of each particle in the plane of the model [m]."""
     return widths(snap.dimension, snap.fields["volume"], snap.points[:, 0], lambda axis: thickness(snap, axis))
 
 
 def plane_edges(snap: Snapshot, size: Array) -> Array:
     """Edges (n, 2, 2) of each particle in the plane of a run in two dimensions [m].
 
-    Squares of the particle's volume; where the file holds the deformation gradient (xx, yx, zx, xy,
-    yy, zy, xz, yz, zz) the parallelogram of the same area that the deformation made of a square.
+    Squares of the particle's volume; where the file has the deformation gradient (xx, yx, zx, xy, yy, zy, xz, yz, zz),
+    the parallelogram of the same area into which it deforms a square.
     """
     edges = np.zeros((len(size), 2, 2))
     edges[:, 0, 0] = edges[:, 1, 1] = size
@@ -64,8 +64,8 @@ def plane_edges(snap: Snapshot, size: Array) -> Array:
 def images(snap: Snapshot) -> tuple[Array, Array, Array]:
     """All particles with their mirror images at the planes of symmetry.
 
-    Returns positions (m, 3) [m], the rows of the particles they are images of (m), and the signs
-    (m, 3) that turn a vector of the particle into that of its image.
+    Returns positions (m, 3) [m], the rows of their original particles (m), and the signs (m, 3) that convert a vector
+    of the particle to that of its image.
     """
     positions, rows = snap.points, np.arange(len(snap.points))
     signs = np.ones((len(rows), 3))
@@ -83,7 +83,7 @@ def images(snap: Snapshot) -> tuple[Array, Array, Array]:
 
 
 def mirror_faces(snap: Snapshot) -> list[tuple[int, str]]:
-    """Pairs (axis, "lo" or "hi") of the planes at which a model is completed."""
+    """Pairs (axis, "lo" or "hi") of the mirror planes of a model."""
     found = []
     for face in snap.symmetry:
         if face[:1] not in "xyz" or face[1:] not in ("lo", "hi"):
@@ -96,7 +96,7 @@ def mirror_faces(snap: Snapshot) -> list[tuple[int, str]]:
 
 
 def slice_depth(snap: Snapshot, axis: int, depth: Array) -> float:
-    """Where the slice cuts the line of sight: a plane of symmetry, or the middle of the matter."""
+    """Position of the slice along the line of sight: a plane of symmetry, or the middle of the material."""
     for mirror, face in mirror_faces(snap):
         if mirror == axis:
             return mirror_plane(snap, axis, face) or 0.0

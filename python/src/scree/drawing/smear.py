@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Spreads particles that moved apart over the gaps between them, for pictures of areal density.
 
-A particle of failed material keeps its volume while its neighbours fly away, so a cloud of debris that covers an area
-evenly would be seen as dots, and as stripes where each dot is a ring. The particles around each particle, in blocks of
-cells that hold some, tell in which directions they are spaced and how far. A particle that is as wide as the spacing
-keeps its width; any other is spread over a third of the block, along a row of particles in the direction of the row
-only.
+A particle of failed material keeps its volume while its neighbours move away, so a uniform cloud of debris would appear
+as dots, and as stripes where each particle is a ring. The directions and lengths of the spacing are found from the
+neighbouring particles, in blocks of cells that contain enough of them. A particle that is as wide as the spacing keeps
+its width; any other is spread over a third of the block, and along a row of particles in the direction of the row only.
 """
 from __future__ import annotations
 
@@ -16,11 +15,12 @@ import numpy as np
 if TYPE_CHECKING:
     from ..arrays import Array
 
-ENOUGH = {2: 80, 3: 40}  # particles in a block that tell the spacing
-LEVELS = 10              # sizes of blocks, each twice the one before
-APART = 1.5              # spacing over width from which on a particle is spread
-FARTHEST = 60.0          # most spacing over width
-SHARE = 1.0 / 3.0        # of the extent of a block over which a particle is spread, since debris flies in clumps
+ENOUGH = {2: 80, 3: 40}  # particles in a block that are enough to find the spacing
+LEVELS = 10              # sizes of blocks, each twice the previous one
+APART = 1.5              # spacing over width above which a particle is spread
+FARTHEST = 60.0          # greatest spacing over width
+# fraction of the extent of a block over which a particle is spread, since debris is not uniform
+SHARE = 1.0 / 3.0
 MOST_PARTS = 16          # of a particle along a row, or over a sheet
 
 
@@ -76,12 +76,12 @@ def spacing(places: Array, size: Array) -> tuple[Array, Array]:
 
 
 def shares(extent: Array, number: Array, size: Array) -> Array:
-    """Lengths (n, d) to spread particles over, of which a number fill a box of these extents (n, d), the largest first
-    [m]."""
+    """Lengths (n, d) over which particles are spread if a given number of them fills a box of these extents (n, d), the
+    largest first [m]."""
     found = np.empty_like(extent)
     open_axes = np.full(len(size), extent.shape[1])
     product = np.cumprod(np.maximum(extent, size[:, None]), axis=1)
-    for axes in range(extent.shape[1], 0, -1):           # thin directions hold one layer of particles
+    for axes in range(extent.shape[1], 0, -1):           # thin directions contain one layer of particles
         even = (product[:, axes - 1] / number) ** (1.0 / axes)
         thin = (open_axes == axes) & (axes > 1) & (even > np.maximum(extent[:, axes - 1], size))
         rest = (open_axes == axes) & ~thin
@@ -93,10 +93,10 @@ def shares(extent: Array, number: Array, size: Array) -> Array:
 
 
 def smeared(places: Array, size: Array, loose: Array | bool = True) -> tuple[Array, Array, Array, Array]:
-    """Rows, offsets (m, d) [m], shares of mass and half widths [m] of the parts that particles are spread over.
+    """Rows, offsets (m, d) [m], mass fractions and half widths [m] of the parts over which particles are spread.
 
-    `loose` says which particles (n) may be spread. The shares of a particle add up to 1 and its parts lie evenly about
-    it, so mass and centre of mass are kept.
+    `loose` marks the particles (n) that may be spread. The fractions of a particle add up to 1 and its parts are
+    symmetric about it, so mass and centre of mass are conserved.
     """
     axes = places.shape[1]
     found, ways = spacing(places, size)
@@ -113,7 +113,7 @@ def smeared(places: Array, size: Array, loose: Array | bool = True) -> tuple[Arr
         chosen = np.flatnonzero((parts == kind).all(axis=1))
         steps = [(np.arange(n) + 0.5) / n - 0.5 for n in kind]
         grid = np.stack([side.ravel() for side in np.meshgrid(*steps, indexing="ij")], axis=1)
-        # tents overlap, so parts lie over twice the spacing less the width of a part
+        # tents overlap, so parts are distributed over twice the spacing less the width of a part
         reach = 2.0 * np.maximum(found[chosen] - half[chosen, None], 0.0) * (kind / np.maximum(kind - 1, 1))
         local = grid[None] * reach[:, None, :]
         listed.append(np.repeat(chosen, len(grid)))

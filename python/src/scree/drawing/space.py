@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pages of a run in three dimensions: lit balls drawn by `render`, scale bar and axes by matplotlib.
+"""Pages of a run in three dimensions: shaded spheres drawn by `render`, scale bar and axes by matplotlib.
 
-The projection is parallel, so that the scale bar is right everywhere and a particle has the size on
-the page that it has in the run.
+The projection is parallel, so that the scale bar is valid everywhere and all particles are drawn to scale.
 """
 from __future__ import annotations
 
@@ -26,11 +25,12 @@ if TYPE_CHECKING:
     from ..files import Snapshot
     from .view import Matter, Options, Window
 
-ABOVE, BELOW = 0.65, 0.65                                # room above and below the picture [inch]
-SHARP = 2                # pixels of the image a pixel of the page, along each side
-SPREAD = 1.15            # of balls over the spacing of particles
-MOVING = 0.05            # of the greatest speed: what is faster moves
-FARTHER = 2.0            # all particles reach so many times farther than those that move: these set the window
+ABOVE, BELOW = 0.65, 0.65                                # margins above and below the picture [inch]
+SHARP = 2                # pixels of the image per pixel of the page, along each side
+SPREAD = 1.15            # of spheres over the spacing of particles
+MOVING = 0.05            # fraction of the greatest speed above which a particle counts as moving
+# if all particles extend this many times farther than the moving ones, the moving ones define the window
+FARTHER = 2.0
 WALL = 0.25              # opacity of rigid regions
 LINE = 0.012             # width of edges [inch]
 
@@ -57,12 +57,12 @@ class SpacePage:
                                                  self.box[3] - self.box[2]), "m")
 
     def camera(self, share: float) -> tuple[Array, Array, Array]:
-        """Directions of the camera after this share of a film."""
+        """Directions of the camera after this fraction of a film."""
         azimuth, elevation = self.options.camera
         return basis(azimuth + share * self.options.turn, elevation, self.options.up)
 
     def window(self, parts: Sequence[Matter]) -> Window:
-        """Left, right, bottom, top that hold all particles of these times at any turn [m]."""
+        """Left, right, bottom, top of a window that contains all particles of these times at any rotation [m]."""
         if self.options.view:
             return self.options.view
         ends = [[math.inf, -math.inf], [math.inf, -math.inf]]
@@ -89,7 +89,7 @@ class SpacePage:
         return max(scale * across, 1.0), max(scale * tall, 1.0)
 
     def add_walls(self, image: render.Image, snap: Snapshot, axes: Array) -> None:
-        """Rigid regions as surfaces that are seen through, closed faces as their edges."""
+        """Rigid regions as transparent surfaces, closed boundaries as their edges."""
         rgb = self.plot.matplotlib.colors.to_rgb
         for wall in self.walls:
             pieces = at_time(wall, snap, self.options.mirror, snap.time)
@@ -105,7 +105,7 @@ class SpacePage:
                     image.line(start, end, tint, SHARP * LINE * self.options.dpi)
 
     def balls(self, part: Matter, share: float, snap: Snapshot) -> Array:
-        """The picture of the balls as bytes (height, width, 3)."""
+        """The picture of the spheres as bytes (height, width, 3)."""
         wide, high = (int(SHARP * self.options.dpi * side) for side in self.shape())
         axes = np.stack(self.camera(share))
         seen = part.points @ axes.T
@@ -170,12 +170,12 @@ class SpacePage:
         axes.set_ylim(k * box[2], k * box[3])
 
     def triad(self, figure: Figure, page: tuple[float, float], share: float) -> None:
-        """The directions x, y, z, below to the right."""
+        """The directions x, y, z, at the lower right."""
         side = 0.9
         axes = figure.add_axes((1.0 - side / page[0], 0.05 / page[1], side / page[0],
                                 side / page[1]))
         right, up, towards = self.camera(share)
-        for axis in np.argsort(towards):                 # those that point to us on top
+        for axis in np.argsort(towards):                 # those that point to the viewer on top
             x, y = right[axis], up[axis]
             axes.annotate("", (x, y), (0.0, 0.0), arrowprops={
                 "arrowstyle": "-|>", "color": look.COLOURS[axis], "linewidth": 1.8,
@@ -188,7 +188,7 @@ class SpacePage:
 
 
 def framed(parts: Sequence[Matter]) -> Sequence[Matter]:
-    """Particles that set the window: those that move, where all others reach much farther than they do."""
+    """Particles that define the window: the moving ones, where all others extend much farther."""
     moving = [part.rows(part.speed > MOVING * part.speed.max()) if len(part.size) and part.speed is not None
               and part.speed.max() > 0.0 else part for part in parts]
     spans = [np.ptp(np.concatenate([part.points for part in some]), axis=0) if any(len(part.size) for part in some)
@@ -197,7 +197,7 @@ def framed(parts: Sequence[Matter]) -> Sequence[Matter]:
 
 
 def outer_edges(pieces: Array) -> list[tuple[Array, Array]]:
-    """Edges of plane pieces (m, n, 3) that belong to one piece only."""
+    """Edges of plane facets (m, n, 3) that belong to one facet only."""
     found: dict[Any, list[tuple[Array, Array]]] = {}
     for piece in pieces:
         for start, end in zip(piece, np.roll(piece, -1, axis=0)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pages of particles: what picture and movie share."""
+"""Pages of particles: common parts of picture and movie."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from .colour import Colour
 
 LEAST_DOT = 0.4          # smallest width of a particle on the page [points]
-SPREAD = 1.02            # of drawn particles over their width, so that no seam is left between them
-BELOW = 1.15             # of a layer below, for neighbours that moved apart by less than they are wide
+SPREAD = 1.02            # of drawn particles over their width, so that there are no gaps between them
+BELOW = 1.15             # of a layer below, for neighbours that moved apart by less than their width
 
 
 Window = tuple[float, float, float, float]              # left, right, bottom, top [m]
@@ -32,7 +32,7 @@ Window = tuple[float, float, float, float]              # left, right, bottom, t
 
 @dataclass
 class Options:
-    """How particles are drawn; lengths in m."""
+    """Options for drawing particles; lengths in m."""
 
     colour: Colour
     mirror: bool = True
@@ -46,24 +46,24 @@ class Options:
     up: int = 2                                          # axis that points up; 3-D only
     turn: float = 0.0                                    # of the camera over a film [deg]
     zoom: float = 1.0
-    keep: tuple[int, float, float] | tuple[()] = ()                                   # axis, sign, place; 3-D only
+    keep: tuple[int, float, float] | tuple[()] = ()                                   # axis, sign, position; 3-D only
     clock: tuple[float, str] = (1.0, "s")                            # factor and unit of the time
-    walls: bool = True                                   # rigid regions and closed faces
+    walls: bool = True                                   # draw rigid regions and closed boundaries
 
 
 @dataclass
 class Matter:
-    """Particles to be drawn, mirror images among them."""
+    """Particles to be drawn, including mirror images."""
 
     time: float                                          # [s]
     points: Array                                      # (n, 3) [m]
     size: Array                                        # (n) [m]
-    values: Array                                      # (n) what they are coloured by [SI]
+    values: Array                                      # (n) values for the colours [SI]
     edges: Array | None = None                                 # (n, 2, 2) in two dimensions, see shape
     speed: Array | None = None                                 # (n) [m/s], None where the file holds no velocity
 
     def rows(self, chosen: Bools) -> Matter:
-        """Some of the particles."""
+        """A subset of the particles."""
         return Matter(self.time, self.points[chosen], self.size[chosen], self.values[chosen], None,
                       None if self.speed is None else self.speed[chosen])
 
@@ -76,13 +76,13 @@ def fields_for(name: str, hide_failed: bool = False) -> set[str]:
 
 
 def failed_of(snap: Snapshot) -> Bools:
-    """Whether each particle has failed."""
+    """True for each particle that has failed."""
     mark = snap.fields.get("failed", snap.fields.get("damage"))
     return np.zeros(len(snap.points), bool) if mark is None else np.asarray(mark) >= 0.999
 
 
 def chosen_rows(snap: Snapshot, options: Options) -> Bools:
-    """Particles of the wanted bodies."""
+    """Particles of the requested bodies."""
     keep = np.ones(len(snap.points), bool)
     if options.bodies:
         names = [snap.body_name(row) for row in range(max(1, len(snap.bodies)))]
@@ -136,7 +136,7 @@ def bounds(parts: Sequence[Matter], plane: tuple[int, int] = (0, 2)) -> Window:
 
 
 def check_view(view: Sequence[float] | None) -> None:
-    """Refuse a window that is turned round."""
+    """Refuse a window whose ends are in the wrong order."""
     if view and not (view[0] < view[1] and view[2] < view[3]):
         raise ScreeError("--view needs LEFT < RIGHT and BOTTOM < TOP", EXIT_USAGE)
 
@@ -182,7 +182,7 @@ class PlanePage:
         return figure
 
     def dots(self, figure: Figure, axes: Axes, part: Matter) -> None:
-        """Particles as large as their volume: squares, or what their deformation made of them."""
+        """Particles as large as their volume: squares, or deformed squares."""
         from matplotlib.collections import PolyCollection
         k, box = self.metres, self.box
         wide, _ = figure.get_size_inches()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Options that picture and movie share, and the pages that they lead to."""
+"""Options that picture and movie share, and the pages for them."""
 from __future__ import annotations
 
 import argparse
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from ..files import Moment, Snapshot
 
 CAMERAS = {"x": (0.0, 0.0), "y": (-90.0, 0.0), "z": (-90.0, 90.0), "corner": (-60.0, 20.0)}
-SAMPLE = 6               # snapshots of a film that give the range of colours and the window
+SAMPLE = 6               # number of snapshots of a film that define the range of colours and the window
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of what is drawn and how."""
+    """Options for the content and the style of a picture."""
     add = parser.add_argument
     add("--colour", "--color", metavar="FIELD",
         help="a field (velocity: its size), a component such as velocity.z or stress.xx, x, y, z, body, "
@@ -62,7 +62,7 @@ def camera(text: str) -> tuple[float, float]:
 
 
 def side(text: str) -> tuple[int, float, float]:
-    """Axis, sign and place of a plane such as y>0."""
+    """Axis, sign and position of a plane such as y>0."""
     axis, sign, place = text[:1], text[1:2], text[2:]
     try:
         if axis in ("x", "y", "z") and sign in ("<", ">"):
@@ -104,25 +104,25 @@ def read(file: str, arguments: argparse.Namespace) -> Snapshot:
 
 
 def sample(frames: Sequence[Moment]) -> list[str]:
-    """Some snapshots of a series, the first and the last among them."""
+    """Some snapshots of a series, including the first and the last."""
     rows = np.unique(np.linspace(0, len(frames) - 1, SAMPLE).round().astype(int))
     return [frames[row][1] for row in rows]
 
 
 def check_field(name: str, file: str) -> None:
-    """Refuse a field that the series does not hold, naming all that there are."""
+    """Refuse a field that the series lacks, with a list of all its fields."""
     snap = snapshot(file)
     colours.values_of(snap, name)
 
 
 def settle_colour(arguments: argparse.Namespace, file: str) -> None:
-    """Put what particles are coloured by into the options, where the user does not say."""
+    """Choose the field for the colours where the user has not chosen one."""
     if arguments.colour is None:
         arguments.colour = colours.default_name(snapshot(file, ("fragment",)))
 
 
 def pages(arguments: argparse.Namespace, files: Sequence[str]) -> PlanePage | SpacePage:
-    """What draws a time of this run; `files` give ranges and window."""
+    """The object that draws pages of this run; `files` define ranges and window."""
     settle_colour(arguments, files[-1])
     check_field(arguments.colour, files[-1])
     snaps = [read(file, arguments) for file in files]

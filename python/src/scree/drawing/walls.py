@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Walls of a run: faces of the box with their types, and rigid regions, from CASE_walls.hdf."""
+"""Walls of a run: boundaries of the box with their types, and rigid regions, from CASE_walls.hdf."""
 from __future__ import annotations
 
 import os
@@ -22,33 +22,33 @@ if TYPE_CHECKING:
     from ..files import Snapshot
     from .view import Options
 
-# Colour and dash of a face by its type; rigid regions have the colour of their type too.
+# Colour and dash pattern of a boundary by its type; rigid regions have the colour of their type too.
 STYLES: dict[str, tuple[str, Any]] = {"outflow": ("#9a9a9a", (0, (1, 2))), "symmetry": ("#0072b2", (0, (6, 2, 1, 2))),
           "slip": ("#111111", "-"), "stick": ("#8c510a", "-"), "friction": ("#b3311b", "-"),
           "periodic": ("#009e73", (0, (5, 2))), "velocity": ("#cc79a7", "-"),
           "absorbing": ("#e69f00", (0, (4, 2)))}
-BODY = "#c9c9c9"                                         # inside of rigid regions
+BODY = "#c9c9c9"                                         # interior of rigid regions
 
 
 @dataclass
 class Wall:
-    """A face of the box, a part of one, or a rigid region."""
+    """A boundary of the box, a part of one, or a rigid region."""
 
-    name: str                                            # of the face or the region
+    name: str                                            # of the boundary or the region
     kind: str                                            # type of boundary
     face: int                                            # 1 to 6, 0 = rigid region
-    begin: float                                         # it is there from then on [s]
-    end: float                                           # and gone from then on [s]
-    cells: list[Array] = field(default_factory=list)            # corners (n, 3) of each piece [m]
+    begin: float                                         # start of the time interval [s]
+    end: float                                           # end of the time interval [s]
+    cells: list[Array] = field(default_factory=list)            # corners (n, 3) of each facet [m]
     times: Array | None = None                                 # of the shifts [s]
     shifts: Array | None = None                                # (time, 3) [m]
 
     def acts(self, time: float) -> bool:
-        """Whether it is there."""
+        """True if it acts at a time."""
         return self.begin <= time < self.end
 
     def shift(self, time: float) -> Array:
-        """Way since the start [m]."""
+        """Displacement since the start [m]."""
         if self.times is None or self.shifts is None:
             return np.zeros(3)
         times, shifts = self.times, self.shifts
@@ -56,12 +56,12 @@ class Wall:
 
     @property
     def label(self) -> str:
-        """What it is, in words."""
+        """Description in words."""
         return f"{self.name}: {self.kind}"
 
 
 def walls_file(snap: Snapshot) -> str:
-    """The file of walls beside a snapshot, or an empty text."""
+    """The file of walls of the run of a snapshot, or an empty text."""
     case = snap.provenance.get("case", "")
     path = os.path.join(os.path.dirname(snap.file) or ".", f"{case}_walls.hdf")
     return path if case and os.path.exists(path) else ""
@@ -94,13 +94,13 @@ def read_walls(path: str) -> list[Wall]:
 
 
 def walls_of(snap: Snapshot) -> list[Wall]:
-    """The walls of the run of a snapshot; none for runs that wrote no file of them."""
+    """The walls of the run of a snapshot; none if the run wrote no such file."""
     path = walls_file(snap)
     return read_walls(path) if path else []
 
 
 def images(pieces: Array, snap: Snapshot) -> Array:
-    """Pieces (m, n, 3) with their mirror images at the planes at which a model is completed."""
+    """Facets (m, n, 3) with their images at the mirror planes of a model."""
     for axis, face in mirror_faces(snap):
         plane = mirror_plane(snap, axis, face) or 0.0
         turned = pieces.copy()
@@ -112,7 +112,7 @@ def images(pieces: Array, snap: Snapshot) -> Array:
 
 
 def at_time(wall: Wall, snap: Snapshot, mirror: bool, time: float) -> Array:
-    """Pieces (m, n, 3) of a wall at a time [m]; none while it is not there."""
+    """Facets (m, n, 3) of a wall at a time [m]; none while it does not act."""
     if not wall.cells or not wall.acts(time):
         return np.zeros((0, 2, 3))
     pieces = np.stack(wall.cells) + wall.shift(time)
@@ -120,13 +120,13 @@ def at_time(wall: Wall, snap: Snapshot, mirror: bool, time: float) -> Array:
 
 
 def is_seen(wall: Wall, mirror: bool) -> bool:
-    """Whether a picture of a run shows a wall: open faces are none, and where the model is completed
-    its planes of symmetry lie inside of it."""
+    """True if a picture of a run shows a wall. Open boundaries are not shown, nor are planes of symmetry, which are
+    inside of the completed model."""
     return wall.kind != "outflow" and not (mirror and wall.kind == "symmetry" and wall.face)
 
 
 def outlines(segments: Array) -> list[Array]:
-    """Closed lines (n, 2) from segments (m, 2, 2) whose ends have the same bits."""
+    """Closed lines (n, 2) from segments (m, 2, 2) whose ends agree to the last bit."""
     ends: dict[tuple[float, ...], list[int]] = {}
     for row, pair in enumerate(segments):
         for point in pair:
@@ -150,9 +150,9 @@ def outlines(segments: Array) -> list[Array]:
 
 def draw_plane(axes: Axes, walls: Sequence[Wall], snap: Snapshot, options: Options, metres: float,
                everything: bool = False) -> list[Wall]:
-    """Walls in the plane of a run: rigid regions filled, faces as lines by their type.
+    """Draw walls in the plane of a run: rigid regions filled, boundaries as lines by their type.
 
-    Faces that are no obstacle are drawn with `everything` only.
+    Boundaries through which material passes are drawn with `everything` only.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.patches import PathPatch

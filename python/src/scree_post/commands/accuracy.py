@@ -45,7 +45,7 @@ def tolerance_of(text: str, verdict: Verdict, fine: float) -> float:
 
 
 def sentence(verdict: Verdict, unit: str, fine: float) -> str:
-    """The verdict for people."""
+    """The results of the convergence analysis in words."""
     share = f" ({100.0 * verdict.error / abs(verdict.limit):.2g} %)" if verdict.limit else ""
     bound = f"error of the finest run below {verdict.error:.3g}{unit}{share}, safety factor {verdict.safety:g}"
     if verdict.kind == "does not change":
@@ -62,7 +62,7 @@ def sentence(verdict: Verdict, unit: str, fine: float) -> str:
 
 
 def plan_text(found: Accuracy, quantity: str, text: str) -> str:
-    """What a tolerance would cost."""
+    """The cost of a tolerance."""
     grid, verdict, fine = found.grid, found.verdicts[quantity], found.table.iloc[-1]
     dimensions = len(grid.axes)
     target = tolerance_of(text, verdict, fine[quantity])
@@ -81,7 +81,7 @@ def plan_text(found: Accuracy, quantity: str, text: str) -> str:
 
 
 def print_table(options: argparse.Namespace, method: str | None, quantity: str, found: Accuracy) -> None:
-    """Print the table of one quantity and method, and the verdict."""
+    """Print the table of one quantity and method, and the results in words."""
     unit = found.units[quantity]
     unit = f" {unit}" if unit and unit != "1" else ""
     print(f"\n{quantity}{unit and f' [{unit.strip()}]'}{', ' + method if method else ''}")
@@ -96,7 +96,7 @@ def print_table(options: argparse.Namespace, method: str | None, quantity: str, 
 
 
 def write_table(path: str, results: Mapping[str | None, Accuracy]) -> None:
-    """All runs and verdicts as comma separated values."""
+    """Write all runs and results as comma separated values."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["quantity", "unit", "method", "cell_size", "factor", "particles", "steps",
@@ -111,7 +111,7 @@ def write_table(path: str, results: Mapping[str | None, Accuracy]) -> None:
 
 
 def numbers(text: str) -> list[float]:
-    """Positive numbers between commas, none twice."""
+    """Positive numbers between commas, without duplicates."""
     try:
         found = [float(word) for word in text.split(",")]
     except ValueError:
@@ -141,7 +141,7 @@ def tolerance(text: str) -> str:
 
 
 def percentile(text: str) -> float:
-    """More than a half of the mass, at most all of it."""
+    """A percentage of the mass above 50 and up to 100."""
     try:
         value = float(text)
     except ValueError:
@@ -172,7 +172,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run, judge, print."""
+    """Run, evaluate, print."""
     threads = threads_of_a_run()
     results = {}
     for method in options.methods.split(",") if options.methods else [None]:

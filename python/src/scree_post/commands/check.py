@@ -23,22 +23,22 @@ if TYPE_CHECKING:
 
 SUMMARY = "whether VTK, and so ParaView, reads the files as they were written"
 EXAMPLES = ("check out/two_discs",)
-EXIT_NO_VTK = 77         # what CTest takes for "skipped"
+EXIT_NO_VTK = 77         # exit code of a skipped test for CTest
 MEAN = 1.0e-5            # single precision in the file, summed in double
 EDGE = 1.0e-6            # single precision of positions in a reader
 
-# points, bounds along x, y, z, and by field components, means and sizes
+# number of points, bounds along x, y, z, and by field: components, means and magnitudes
 Summary = tuple[int, "list[tuple[float, float]] | None", dict[str, tuple[int, Any, Any]]]
 
 
 class Report:
-    """Counts what agrees and prints what does not."""
+    """Counts agreements and prints differences."""
 
     def __init__(self, loud: bool) -> None:
         self.loud, self.agree, self.differ = loud, 0, 0
 
     def check(self, good: Any, sentence: str) -> None:
-        """Book one comparison."""
+        """Record one comparison."""
         self.agree, self.differ = self.agree + bool(good), self.differ + (not good)
         if not good:
             print(f"DIFFERENT {sentence}")
@@ -47,7 +47,8 @@ class Report:
 
 
 def summary(points: Array, fields: Mapping[str, Array]) -> Summary:
-    """What is compared: number of points, bounds, components and scaled mean of every field."""
+    """The compared values: number of points, bounds, components and scaled mean of every
+    field."""
     (np,) = modules("numpy")
     bounds = (
         [(float(points[:, k].min()), float(points[:, k].max())) for k in range(3)]
@@ -101,7 +102,7 @@ def compare(report: Report, label: str, wanted: Summary, found: Summary, cells: 
 
 
 def check_structure(report: Report, file: str, snap: Snapshot) -> None:
-    """What the layout promises beside the numbers: attributes, topology, units, names."""
+    """Check the layout of a file apart from its numbers: attributes, topology, units, names."""
     (h5py, np) = modules("h5py", "numpy")
     name = os.path.basename(file)
     with h5py.File(file, "r") as handle:
@@ -146,7 +147,7 @@ def from_hdf(vtk: Any, file: str, step: int | None = None) -> Any:
 
 
 def merged(vtk: Any, data: Any) -> Any:
-    """One unstructured grid from whatever a reader hands out."""
+    """One unstructured grid from the result of a reader."""
     if data is None or data.IsA("vtkUnstructuredGrid"):
         return data
     join = vtk.vtkAppendFilter()
@@ -200,7 +201,7 @@ def check_grid(report: Report, vtk: Any, file: str, time: float) -> None:
 
 
 def check_grids(report: Report, vtk: Any, steps: Sequence[Moment]) -> None:
-    """All files of a series of grids. Without VTK there is nothing to compare them with."""
+    """All files of a series of grids. Without VTK there is no second reader to compare with."""
     for time, file in steps:
         if vtk:
             check_grid(report, vtk, file, time)
@@ -209,7 +210,7 @@ def check_grids(report: Report, vtk: Any, steps: Sequence[Moment]) -> None:
 
 
 def load_vtk() -> Any:
-    """The vtk package, silent, or None."""
+    """The vtk package without its messages, or None."""
     try:
         import vtk
     except ImportError:
@@ -227,7 +228,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def check_snapshots(report: Report, vtk: Any, steps: Sequence[Moment]) -> list[tuple[float, Summary]]:
-    """Every snapshot against itself and the series; the result is what was written."""
+    """Every snapshot against itself and the series; the result is the content of the files."""
     wanted = []
     for time, file in steps:
         snap = snapshot(file, own_units=True)
@@ -245,7 +246,8 @@ def check_snapshots(report: Report, vtk: Any, steps: Sequence[Moment]) -> list[t
 
 
 def check_index(report: Report, vtk: Any, index: str, wanted: Sequence[tuple[float, Summary]]) -> None:
-    """The file of links into the snapshots, if there is one; VTK 9.2 knows no files with several times."""
+    """The index file with links to the snapshots, if there is one; VTK 9.2 does not support files
+    with several times."""
     name = os.path.basename(index)
     if not os.path.exists(index):
         return

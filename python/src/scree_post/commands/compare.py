@@ -31,7 +31,7 @@ EXAMPLES = ("compare out/two_discs out/again",
             "compare out/two_discs out/again --fields velocity,pressure --tolerance 1e-6",
             "compare out/two_discs/two_discs_history.csv out/coarse/coarse_history.csv "
             "--interpolate")
-MOST_LINES = 12          # on what one side lacks
+MOST_LINES = 12          # lines about data missing on one side
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="times count as equal within this fraction of the whole time (1e-6)")
     add("--interpolate", action="store_true", help="histories: interpolate to the times of A")
 
-Differences = tuple[dict[str, "Field"], dict[str, str], list[str]]   # by name: differences, units; what is missing
+# by name: differences, units; missing data
+Differences = tuple[dict[str, "Field"], dict[str, str], list[str]]
 
 
 class Field:
@@ -57,7 +58,7 @@ class Field:
         self.time = math.nan                             # of the greatest difference [s]
 
     def add(self, one: Any, two: Any, time: float) -> None:
-        """Numbers of one time; two that are both not a number are the same."""
+        """Add the numbers of one time; two NaN are the same."""
         one, two = np.asarray(one, "f8"), np.asarray(two, "f8")
         if not one.size:
             return
@@ -78,14 +79,14 @@ class Field:
         return math.sqrt(self.squares / self.count) if self.count else 0.0
 
     def relative(self, size: float) -> float:
-        """A difference over the greatest size of the field."""
+        """A difference over the greatest magnitude of the field."""
         if size == 0.0:
             return 0.0
         return size / self.scale if self.scale > 0.0 else math.inf
 
 
 def print_table(fields: Mapping[str, Field], units: Mapping[str, str], missing: list[str]) -> None:
-    """The differences, and what one side lacks."""
+    """The differences, and the data missing on one side."""
     width = max([len(name) for name in fields] + [5])
     print(f"{'field':<{width}}  {'unit':<9} {'greatest':>12} {'relative':>10} {'rms':>12} "
           f"{'relative':>10}  at time [s]")
@@ -101,7 +102,7 @@ def print_table(fields: Mapping[str, Field], units: Mapping[str, str], missing: 
 
 def pair_times(frames_a: Sequence[Moment], frames_b: Sequence[Moment],
                tolerance: float) -> tuple[list[tuple[str, str]], list[str]]:
-    """Pairs of files of the same time, and sentences on times of one side only."""
+    """Pairs of files of the same time, and sentences about times of one side only."""
     times_b = np.array([time for time, _ in frames_b])
     span = max(abs(frames_a[-1][0]), abs(frames_b[-1][0]))
     pairs, missing, used = [], [], set()
@@ -118,7 +119,7 @@ def pair_times(frames_a: Sequence[Moment], frames_b: Sequence[Moment],
 
 
 def matched(one: Snapshot, two: Snapshot, missing: list[str]) -> tuple[Array, Array]:
-    """Rows of the particles that both snapshots hold, in the same order."""
+    """Rows of the particles that are in both snapshots, in the same order."""
     if "identity" not in one.fields or "identity" not in two.fields:
         if len(one.points) != len(two.points):
             raise ScreeError(f"{one.file}: {len(one.points)} and {len(two.points)} particles and no "
@@ -135,7 +136,7 @@ def matched(one: Snapshot, two: Snapshot, missing: list[str]) -> tuple[Array, Ar
 
 
 def wanted_names(names: list[str] | None, there: list[str], path: str) -> list[str]:
-    """The names asked for, all if none were."""
+    """The requested names, all by default."""
     if names is None:
         return there
     for name in names:
@@ -211,7 +212,7 @@ def compare_histories(arguments: argparse.Namespace, names: list[str] | None) ->
 
 
 def is_history(path: str) -> bool:
-    """Whether a path means a history: a .csv, or a folder without particles."""
+    """True if a path is a history: a .csv, or a folder without particles."""
     if not os.path.isdir(path):
         return path.endswith(".csv")
     return not any(name.endswith("_p.hdf.series") for name in os.listdir(path))

@@ -48,7 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def nodes(name: str, bounds: Sequence[float], count: int, rest: float | None = None) -> Array:
-    """Numbers with equal ratios, and one that must be among them if it lies between."""
+    """Numbers with equal ratios, and a given one that must be among them if it is within the
+    range."""
     if count < LEAST or not 0.0 < bounds[0] < bounds[1]:
         raise ScreeError(f"--{name} needs two numbers above 0 that ascend, and --nodes at least {LEAST}", EXIT_USAGE)
     numbers = axis(bounds[0], bounds[1], count)

@@ -63,14 +63,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def chosen(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[Moment]:
-    """The snapshots asked for."""
+    """The requested snapshots."""
     if arguments.all:
         return frames
     return nearest(frames, arguments.time or [frames[-1][0]])
 
 
 def write_table(path: str, found: Sequence[Fragments]) -> None:
-    """The table as comma separated values; lines that begin with # say what it is."""
+    """The table as comma separated values; lines that begin with # describe it."""
     try:
         with open(path + ".part", "w", encoding="utf-8") as handle:
             handle.write(f"# {found[-1].note}\n" + ",".join(COLUMNS) + "\n")
@@ -83,7 +83,7 @@ def write_table(path: str, found: Sequence[Fragments]) -> None:
 
 
 def say(one: Fragments) -> None:
-    """The heaviest fragments, and where the mass is."""
+    """The heaviest fragments, and the distribution of the mass."""
     masses = one.masses
     lone = sum(row[2] == 1 for row in one.rows)
     print(f"t = {one.time:.6g} s: {len(masses)} fragments, {lone} of them single particles")
@@ -101,7 +101,7 @@ def say(one: Fragments) -> None:
 
 
 def picture(found: Sequence[Fragments], title: str) -> Figure:
-    """Histogram of masses and cumulated numbers of the times."""
+    """Histogram of masses and cumulative numbers at the times."""
     plot = look.pyplot()
     figure: Figure
     figure, (left, right) = plot.subplots(1, 2, figsize=(11.0, 4.6), layout="constrained")
@@ -136,7 +136,7 @@ def picture(found: Sequence[Fragments], title: str) -> Figure:
 
 
 def check_arguments(arguments: argparse.Namespace) -> None:
-    """What the parser cannot check."""
+    """Checks that the parser cannot do."""
     if not (np.isfinite(arguments.reach) and arguments.reach > 0.0):
         raise ScreeError("--reach must be above 0", EXIT_USAGE)
     if arguments.cell is not None and not arguments.cell > 0.0:

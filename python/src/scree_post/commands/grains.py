@@ -34,7 +34,7 @@ EXAMPLES = ("grains out/grain_cell",
             "grains out/grain_cell --tau reversal --stage reverse",
             "grains out/grain_cell --law mu_i --out mu_i.nml")
 
-# runs, their steady shear, and by run what was measured of tau and the probes
+# runs, their steady shear, and for each run its measurements of tau and its probes
 Measured = tuple[list[CellRun], list[rheology.SteadyShear], list[tuple[CellRun, list[memory.Memory]]],
                  list[tuple[CellRun, list[moduli.Moduli]]]]
 
@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def check_arguments(arguments: argparse.Namespace) -> None:
-    """What the parser cannot check."""
+    """Checks that the parser cannot do."""
     if not (np.isfinite(arguments.skip) and arguments.skip >= 0.0):
         raise ScreeError(f"--skip {arguments.skip:g} must not be negative", EXIT_USAGE)
     if arguments.out and not os.path.isdir(os.path.dirname(arguments.out) or "."):
@@ -62,7 +62,7 @@ def check_arguments(arguments: argparse.Namespace) -> None:
 
 def measured(arguments: argparse.Namespace) -> Measured:
     """Runs, their steady shear, and pairs of runs with measurements of tau and probes."""
-    generator = np.random.default_rng(12345)             # the same errors in each call
+    generator = np.random.default_rng(12345)             # the same error bars in each call
     runs = [read_run(os.path.normpath(folder)) for folder in arguments.folders]
     for run in runs:
         if run.unfinished:

@@ -43,13 +43,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def line(name: str, value: Any) -> None:
-    """A fact."""
+    """A line of the description."""
     if str(value).strip():
         print(f"{name:<12} {value}")
 
 
 def ranges(fields: Mapping[str, Sequence[Array]], units: Mapping[str, str]) -> None:
-    """A table of fields: unit, components, least, greatest and mean of their numbers."""
+    """A table of fields: unit, components, least, greatest and mean value."""
     width = max([len(name) for name in fields] + [5])
     print(f"{'field':<{width}}  {'unit':<8} {'parts':>5} {'least':>12} {'greatest':>12} "
           f"{'mean':>12}")
@@ -86,7 +86,7 @@ def bodies(snap: Snapshot) -> None:
 
 
 def describe_snapshot(snap: Snapshot, others: Sequence[Snapshot] = ()) -> None:
-    """Everything of one snapshot; ranges also over `others`."""
+    """The full description of one snapshot; ranges also over `others`."""
     for name in ORIGIN:
         line(name, snap.provenance.get(name, ""))
     line("step", snap.provenance.get("step", ""))
@@ -101,13 +101,13 @@ def describe_snapshot(snap: Snapshot, others: Sequence[Snapshot] = ()) -> None:
 
 
 def span_text(times: Array) -> str:
-    """The times of a series in words."""
+    """The time span of a series in words."""
     return f"{times[0]:.6g} to {times[-1]:.6g} s" + (
         f", about every {np.median(np.diff(times)):.4g} s" if len(times) > 1 else "")
 
 
 def nearest(times: Array, wanted: float | None) -> int:
-    """Row of the time nearest to the one that is wanted, by default the last."""
+    """Row of the time nearest to the requested one, by default the last."""
     return -1 if wanted is None else int(np.argmin(np.abs(times - wanted)))
 
 
@@ -165,7 +165,7 @@ def describe_history(path: str) -> None:
 
 
 def describe_grids(path: str, arguments: argparse.Namespace) -> None:
-    """Times of a series of grids, and ranges of one of them or of a lone file."""
+    """Times of a series of grids, and ranges of one of them or of a single file."""
     (h5py,) = modules("h5py")
     if path.endswith(".series"):
         frames = series(path)
@@ -196,7 +196,7 @@ def flat(values: Array) -> Array:
 
 
 def kind_of(path: str) -> str:
-    """What a file is: series, snapshot, checkpoint or history."""
+    """Kind of a file: series, snapshot, checkpoint or history."""
     if path.endswith(".series"):
         return "series"
     if path.endswith(".csv"):
@@ -215,7 +215,7 @@ def kind_of(path: str) -> str:
 
 
 def deck_of(path: str) -> str:
-    """The deck that a file carries."""
+    """The deck in a file."""
     (h5py,) = modules("h5py")
     kind = kind_of(path)
     if kind == "series":
@@ -264,7 +264,7 @@ def in_folder(path: str) -> tuple[list[str], list[str]]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Say what is there."""
+    """Describe a file or folder."""
     path = arguments.source
     if os.path.isdir(path):
         found, kept = in_folder(path)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 SUMMARY = "means over time with errors, of tables and of fields on the grid"
 EXAMPLES = ("means out/two_discs/two_discs_history.csv --from 1s",
             "means out/two_discs/two_discs_history.csv --columns kinetic,internal --out means.csv")
-FEWEST = 4               # rows of a mean
+FEWEST = 4               # fewest rows for a mean
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def of_table(arguments: argparse.Namespace) -> int:
-    """Print the means of the columns of a table; rows (name, unit, mean, error, drift) are written if asked for."""
+    """Print the means of the columns of a table; rows (name, unit, mean, error, drift) are
+    written on request."""
     table = history(arguments.source)
     time = table["time"]
     inside = (time >= arguments.begin) & (time <= arguments.end)
@@ -81,7 +82,7 @@ def box_of(handle: Any) -> tuple[Array, Array]:
 
 
 def of_grids(arguments: argparse.Namespace, frames: Sequence[Moment]) -> int:
-    """Mean and error of each field in each cell; cells without material count with 0."""
+    """Mean and error of each field in each cell; a cell without material counts as 0."""
     import h5py
     frames = [(time, path) for time, path in frames if arguments.begin <= time <= arguments.end]
     if len(frames) < FEWEST:

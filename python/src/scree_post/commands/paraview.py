@@ -36,7 +36,7 @@ PRESETS = {"viridis": "Viridis (matplotlib)", "inferno": "Inferno (matplotlib)",
 SPREAD = 0.6             # radius of a dot over the width of a particle
 PAGE = (1600, 1000)      # width and height of the window [pixels]
 MARGIN = 1.15            # of the window over what it shows
-LONGEST = 120.0          # that pvpython may take [s]
+LONGEST = 120.0          # longest time for pvpython [s]
 
 SCRIPT = '''# SPDX-License-Identifier: BSD-3-Clause
 """Opens a run in ParaView 5.11 or newer; written by scree-post paraview.
@@ -129,7 +129,8 @@ def range_of(snap: Snapshot, name: str) -> tuple[float, float, str]:
 
 
 def mirrors_of(snap: Snapshot) -> list[tuple[int, float]]:
-    """Axes and places [m] of the planes at which the model is completed; of an axisymmetric run its axis is one."""
+    """Axes and positions [m] of the mirror planes of the model; in an axisymmetric run its axis
+    is one."""
     planes = [(axis, mirror_plane(snap, axis, face) or 0.0) for axis, face in mirror_faces(snap)]
     return [(0, 0.0), *planes] if snap.dimension == "axisymmetric" else planes
 
@@ -175,17 +176,20 @@ def script_of(source: str, name: str | None, out: str) -> str:
 
 
 def pvpython() -> list[str]:
-    """The Python of ParaView, on a screen that is not there where there is no other; empty if one of them is missing.
+    """The Python of ParaView, on a virtual display if there is no other; empty if one of the two
+    is missing.
     """
     program, screen = shutil.which("pvpython"), shutil.which("xvfb-run")
     if program is None or os.environ.get("DISPLAY"):
         return [program] if program else []
-    # a screen that begins anew when its last window is gone refuses the next one for a moment
+    # a virtual display that restarts after its last window has closed refuses the next window for
+    # a moment
     return [screen, "-a", "-s", "-noreset -screen 0 1600x1000x24", program] if screen else []
 
 
 def write_state(script: str) -> str:
-    """Write the state file that a script leads to; the result is its name, or why there is none."""
+    """Write the state file of a script; the result is its name, or the reason why there is
+    none."""
     words, state = pvpython(), script.removesuffix(".py") + ".pvsm"
     if not words:
         return ""

@@ -63,7 +63,7 @@ def chosen_columns(paths: Sequence[str], arguments: argparse.Namespace) -> Figur
         tables[case_of(path) if case_of(path) not in tables else path] = table
     if arguments.log and not any(table[name].any() for table in tables.values() for name in names):
         raise ScreeError("--log: all these columns are zero", EXIT_USAGE)
-    look.pyplot()                                        # its letters and colours
+    look.pyplot()                                        # fonts and colours of the common style
     figure = plot.columns_of(tables, names, x=arguments.x, log=arguments.log, log_x=arguments.log_x)
     title = arguments.title or (look.words(case_of(paths[0])) if len(paths) == 1 else "")
     if title:

@@ -65,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def check_arguments(arguments: argparse.Namespace) -> None:
-    """What the parser cannot check."""
+    """Checks that the parser cannot do."""
     for name in ("pixel", "mu", "frames", "dpi", "rate"):
         value = getattr(arguments, name)
         if value is not None and not (math.isfinite(value) and value > 0):
@@ -78,7 +78,7 @@ def check_arguments(arguments: argparse.Namespace) -> None:
 
 
 def choose(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[Moment]:
-    """The snapshots asked for: by time, the last, or a number of them spread evenly over time."""
+    """The requested snapshots: by time, the last, or a number of them evenly spaced in time."""
     if arguments.last:
         return frames[-1:]
     wanted = arguments.time
@@ -91,7 +91,7 @@ def choose(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[
 
 def movie(frames: Sequence[Moment], make: Callable[[str], Frame], title: str, options: Mapping[str, Any],
           arguments: argparse.Namespace) -> None:
-    """A film of all snapshots, each page in the ranges of the last one."""
+    """A film of all snapshots, each frame with the ranges of the last one."""
     ends = Picture([make(frames[0][1]), make(frames[-1][1])], title, options).common()
 
     def pages() -> Iterator[Array]:
@@ -106,7 +106,7 @@ def movie(frames: Sequence[Moment], make: Callable[[str], Frame], title: str, op
 
 
 def table(frames: Sequence[Frame]) -> None:
-    """What was drawn, and the mass in the picture beside that of the particles."""
+    """The drawn frames, and the mass in the picture compared with that of the particles."""
     clock, second = look.scaled(max(abs(frame.time) for frame in frames), "s")
     metres, length = look.scaled(max((abs(frame.front) for frame in frames
                                       if math.isfinite(frame.front)), default=0.0), "m")

@@ -59,7 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def settings(words: Sequence[str]) -> dict[str, list[str]]:
-    """Keys and their lists of values, from GROUP.KEY=A,B,C; values that hold commas end in ';'."""
+    """Keys and their lists of values, from GROUP.KEY=A,B,C; values that contain commas end in
+    ';'."""
     found: dict[str, list[str]] = {}
     for word in words:
         key, equals, text = word.partition("=")
@@ -78,7 +79,7 @@ def settings(words: Sequence[str]) -> dict[str, list[str]]:
 
 
 def deck_name(deck: str) -> str:
-    """Name of the deck, of its folder if it is named scene.nml."""
+    """Name of the deck, or of its folder if the deck is named scene.nml."""
     stem = os.path.splitext(os.path.basename(deck))[0]
     return os.path.basename(os.path.dirname(os.path.abspath(deck))) if stem == "scene" else stem
 
@@ -109,7 +110,8 @@ def quantity_of(run: Run, name: str) -> tuple[float, str]:
 
 
 def results(runs: Sequence[Combination], names: Sequence[str]) -> tuple[list[dict[str, Any]], dict[str, str]]:
-    """Rows of the table and units by name; empty where a run failed, or has no such key of its own."""
+    """Rows of the table and units by name; empty where a run failed, or its summary lacks the
+    key."""
     rows: list[dict[str, Any]] = []
     units: dict[str, str] = {}
     keys = dict.fromkeys(key for run in runs for key in run.settings)
@@ -126,8 +128,8 @@ def results(runs: Sequence[Combination], names: Sequence[str]) -> tuple[list[dic
 
 
 def earlier(base: str, study: Study, runs: Sequence[Combination], case: str) -> tuple[list[Combination], int]:
-    """Finished runs of earlier sweeps in this folder with the same deck and program, and how many there are of
-    others."""
+    """Finished runs of earlier sweeps in this folder with the same deck and program, and the
+    number of runs with another one."""
     found, others = [], 0
     known = {run.folder for run in runs}
     for name in sorted(os.listdir(base)):
@@ -161,7 +163,8 @@ def number(text: str) -> float | None:
 
 def picture(rows: Sequence[Mapping[str, Any]], keys: Mapping[str, Sequence[str]], names: Sequence[str],
             units: Mapping[str, str], title: str) -> Figure:
-    """A panel for each quantity: against the first key with several values, a line for each value of the others."""
+    """A panel for each quantity: against the first key with several values, one line for each
+    combination of the other values."""
     plot = look.pyplot()
     first, *rest = [key for key in keys if len(keys[key]) > 1] or list(keys)[:1]
     columns = min(2, len(names))
@@ -204,7 +207,7 @@ def picture(rows: Sequence[Mapping[str, Any]], keys: Mapping[str, Sequence[str]]
 
 
 def tell(run: Combination) -> None:
-    """A line for a run that ended."""
+    """A line for a finished run."""
     values = ", ".join(f"{key} = {value}" for key, value in run.settings.items())
     if run.code == 0:
         print(f"{'there' if run.kept else 'done '}  {values}", flush=True)
@@ -213,7 +216,7 @@ def tell(run: Combination) -> None:
 
 
 def check_arguments(arguments: argparse.Namespace) -> tuple[list[str], dict[str, list[str]]]:
-    """Quantities and keys, with what the parser cannot check."""
+    """Quantities and keys, with checks that the parser cannot do."""
     if any(given is not None and given < 1 for given in (arguments.jobs, arguments.threads)):
         raise ScreeError("--jobs and --threads must be above 0", EXIT_USAGE)
     names = [name.strip() for name in arguments.take.split(",") if name.strip()]
@@ -227,7 +230,7 @@ def check_arguments(arguments: argparse.Namespace) -> tuple[list[str], dict[str,
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run what is not there yet, then table and plot."""
+    """Run the combinations that are not finished, then write table and plot."""
     names, keys = check_arguments(arguments)
     deck = readable(arguments.deck)
     base = os.path.abspath(arguments.outdir or os.path.join("out", deck_name(deck) + "_sweep"))
@@ -247,7 +250,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     def ended(one: Combination) -> None:
         tell(one)
-        if one.code == 0:                                # a wrong name is told before the last run
+        # a wrong name is reported before the last run
+        if one.code == 0:
             results([one], names)
 
     study.all(runs, arguments.jobs or jobs_for(threads), ended)

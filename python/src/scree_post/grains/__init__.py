@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Evaluation of cells of grains (scree --grains): constants of the continuum's granular law.
+"""Evaluation of cells of grains (scree --grains): constants of the granular law of the continuum.
 
     cell_run      files of a finished run: deck, history, moduli, contacts
     statistics    means with error bars, drift, bootstrap

@@ -48,17 +48,18 @@ class Stage:
         return np.asarray(self.rows["strain"] - self.start_strain)
 
     def middle(self) -> Array:
-        """Time since the start of the stage at the middle of the interval of each row [s]."""
+        """Times of the middles of the row intervals since the start of the stage [s]."""
         time = self.rows["time"] - self.start_time
         return np.asarray(0.5 * (time + np.concatenate([[0.0], time[:-1]])))
 
     def steady(self, skip: float) -> dict[str, Array]:
-        """Rows behind the start: those beyond a strain `skip`, or beyond 40 % of a stage that is too short."""
+        """Rows after the start of the stage: those beyond a strain `skip`, or beyond 40 % of a stage that is too
+        short."""
         limit = self.skipped(skip)
         return {name: values[self.strain > limit] for name, values in self.rows.items()}
 
     def skipped(self, skip: float) -> float:
-        """Strain of the stage that is left out as its start [1]."""
+        """Strain at the start of the stage that is excluded [1]."""
         return min(skip, 0.4 * float(self.strain[-1]))
 
 
@@ -74,7 +75,7 @@ class CellRun:
     contacts: list[Moment] = field(default_factory=list)         # (time [s], file)
     grains: list[Moment] = field(default_factory=list)           # (time [s], file)
     provenance: dict[str, str] = field(default_factory=dict)       # of the last snapshot
-    unfinished: str = ""                                 # why, empty if the run reached its end
+    unfinished: str = ""                                 # reason, empty if the run reached its end
 
     def path(self, ending: str) -> str:
         """A file of the case."""
@@ -85,7 +86,7 @@ class CellRun:
         return [stage for stage in self.stages if stage.kind == kind]
 
     def before(self, stage: Stage) -> Stage | None:
-        """The stage before one, or None."""
+        """The previous stage, or None."""
         place = self.stages.index(stage)
         return self.stages[place - 1] if place else None
 
@@ -124,7 +125,7 @@ def read_run(folder: str) -> CellRun:
 
 
 def why_unfinished(path: str) -> str:
-    """What the summary says of a run that did not reach its end, or empty."""
+    """Reason in the summary of a run that did not reach its end, or empty."""
     try:
         with open(path, encoding="utf-8") as handle:
             summary = json.load(handle)
@@ -168,7 +169,7 @@ def read_stages(run: CellRun, names: Sequence[str]) -> list[Stage]:
         if wrong:
             raise ScreeError(f"{path}: column {wrong} of stage {number} is not finite")
         name = names[number - 1] if number <= len(names) and names[number - 1] else "stage"
-        if names.count(name) != 1:                       # stages need no name of their own
+        if names.count(name) != 1:                       # stages may have no names
             name = f"{name} {number}"
         stages.append(Stage(int(number), name, kind_of(rows, stages), rows, start_time,
                             start_strain, run.keys["diameter"] * math.sqrt(run.keys["density"])))
@@ -177,7 +178,7 @@ def read_stages(run: CellRun, names: Sequence[str]) -> list[Stage]:
 
 
 def kind_of(rows: Mapping[str, Array], earlier: Sequence[Stage]) -> str:
-    """shear: a constant rate; hold: none, behind a shear stage; other: compression and all else."""
+    """shear: a constant rate; hold: no shear, after a shear stage; other: compression and all others."""
     rate = rows["rate_xy"]
     if np.all(np.abs(rate) > 0.0):
         return "shear"
@@ -187,7 +188,7 @@ def kind_of(rows: Mapping[str, Array], earlier: Sequence[Stage]) -> str:
 
 
 def ages_of(run: CellRun, stage: Stage, skip: float) -> list[dict[str, Array]]:
-    """Ages of the living contacts of the snapshots of a stage behind its start: a list of dicts of arrays."""
+    """Ages of the existing contacts in the snapshots of a stage after its start: a list of dicts of arrays."""
     found = []
     begin, end = stage.start_time, float(stage.rows["time"][-1])
     from_time = begin + stage.skipped(skip) / abs(stage.rate)

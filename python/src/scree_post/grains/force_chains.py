@@ -21,7 +21,7 @@ WIDEST = 5.0             # line of the greatest forces [points]
 
 
 def read_pair(grains: str, contacts: str) -> tuple[Array, Array, Array, Array, Array, Array, float]:
-    """Places, radii and numbers of contacts of grains; ends and normal forces of contacts; edges."""
+    """Positions, radii and numbers of contacts of grains; ends and normal forces of contacts; edges."""
     with open_file(grains) as handle:
         data = handle.get("VTKHDF/PointData", {})
         if "radius" not in data or "VTKHDF/FieldData/edges" not in handle:
@@ -37,14 +37,14 @@ def read_pair(grains: str, contacts: str) -> tuple[Array, Array, Array, Array, A
 
 
 def wrapped(places: Array, edges: Array) -> Array:
-    """Places in the cell."""
+    """Positions in the cell."""
     inverse = np.linalg.inv(edges)
     share = places @ inverse
     return (share - np.floor(share)) @ edges
 
 
 def draw_chains(axes: Axes, grains: str, contacts: str) -> float:
-    """Draw a cell of discs; of spheres those near the middle plane, seen along z. The result is the time [s]."""
+    """Draw a cell of discs, or the spheres near the middle plane, viewed along z. The result is the time [s]."""
     from matplotlib.collections import EllipseCollection, LineCollection
     places, radii, touched, edges, ends, force, time = read_pair(grains, contacts)
     scale, unit = look.scaled(float(np.abs(edges[0]).max()), "m")

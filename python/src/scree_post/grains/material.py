@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""CASE_material.nml: a &material block with the fitted constants, and where they come from as comments."""
+"""CASE_material.nml: a &material block with the fitted constants, and their origin as comments."""
 from __future__ import annotations
 
 import argparse
@@ -23,7 +23,7 @@ LAWS = ("granular", "mu_i")
 
 
 def reference(shears: Sequence[SteadyShear], memories: Sequence[Memory], wanted: str | None) -> SteadyShear:
-    """The steady shear whose constants the block takes: the named one, or the slowest with a survival law."""
+    """The steady shear whose constants the block uses: the named one, or the slowest with a survival law."""
     if wanted:
         found = next((shear for shear in shears if shear.stage.name == wanted), None)
         if found is None:
@@ -55,12 +55,12 @@ def nearest_probe(moduli: Sequence[Moduli], shear: SteadyShear, relaxed: bool) -
 
 
 def name_of(case: str) -> str:
-    """A name that a deck takes."""
+    """A name that is valid in a deck."""
     return re.sub(r"\W+", "_", case).strip("_").lower() or "grains"
 
 
 def provenance(run: CellRun, shear: SteadyShear, fits: Fits) -> list[str]:
-    """Comments: what the block rests on."""
+    """Comments: the runs and measurements of the block."""
     said = run.provenance
     keys = run.keys
     lines = [f"Constants of a cell of grains, case {run.case}, fitted by scree-post grains.",

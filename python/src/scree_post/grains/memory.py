@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The time tau over which shear stress is kept, measured in ways that share no assumption.
+"""The relaxation time tau of the shear stress, measured by independent methods.
 
 survival       age distribution of living contacts. In steady shear contacts are born at a constant rate B per unit
                of strain; of those born a strain a ago the share S(a) survives, so n(a) = B S(a): the distribution of
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from .rheology import SteadyShear
 
 FOUR = ("survival", "hold", "normal", "correlation")
-LEAST_AGES = 100         # contacts of which a survival law is found
-LEAST_ROWS = 20          # of a decay or a correlation
-DRAWS = 40               # of the bootstrap of decays
+LEAST_AGES = 100         # contacts that a survival law needs at least
+LEAST_ROWS = 20          # rows that a decay or a correlation needs at least
+DRAWS = 40               # bootstrap samples of decays
 
 
 @dataclass
@@ -42,12 +42,12 @@ class Memory:
     measure: str
     stage: str
     inertial: float
-    rate: float                                          # of the shear that it belongs to, absolute [1/s]
+    rate: float                                          # of the corresponding shear, absolute [1/s]
     pressure: float                                      # [Pa]
     strain: float                                        # tau rate [1]
     error: float                                         # standard error of it [1]
     beta: float = float("nan")                           # stretching exponent, where one is fitted
-    residual: float = float("nan")                       # stress that stays, over that of steady shear
+    residual: float = float("nan")                       # remaining stress, over that of steady shear
     note: str = ""
     curve: tuple[Array, ...] = ()                                    # data and fit, for the figures
 
@@ -96,7 +96,7 @@ def stretched_age(ages: Array, window: float) -> tuple[float, float]:
 
 
 def survival(run: CellRun, shear: SteadyShear, skip: float, generator: np.random.Generator) -> Memory | None:
-    """tau by the ages of the contacts of the snapshots of a stage, or None."""
+    """tau from the ages of the contacts in the snapshots of a stage, or None."""
     window = shear.stage.skipped(skip)
     every = [one["age_strain"][one["age_strain"] < window] for one in cell_run.ages_of(run, shear.stage, skip)]
     every = [ages for ages in every if len(ages)]
@@ -124,7 +124,7 @@ def memory(measure: str, shear: SteadyShear, strain: float, error: float, **more
 
 
 def decay_fit(x: Array, y: Array, near: Array | None = None) -> Array:
-    """r, q, scale and beta of r + (q - r) exp(-(x/scale)^beta) by least squares with q > r, sought everywhere or near
+    """r, q, scale and beta of r + (q - r) exp(-(x/scale)^beta) by least squares with q > r, searched everywhere or near
     the values of an earlier fit."""
     def basis(log: float, beta: float) -> Array:
         kept = np.exp(-(x / np.exp(log)) ** beta)
@@ -147,19 +147,19 @@ def decay_fit(x: Array, y: Array, near: Array | None = None) -> Array:
 
 
 def decay_with_errors(x: Array, y: Array, generator: np.random.Generator) -> tuple[Array, Array, Array]:
-    """A fit of a decay and its errors, by residuals that are drawn in blocks."""
+    """A fit of a decay and its errors, from residuals that are resampled in blocks."""
     values = decay_fit(x, y)
     rest, first, scale, beta = values
     smooth = rest + (first - rest) * np.exp(-(x / scale) ** beta)
     left = y - smooth
     draws = [decay_fit(x, smooth + noise, values) for noise in drawn_noise(left, generator)]
     errors = np.std(draws, axis=0)
-    errors[2] = max(errors[2], x[0])                     # rows do not resolve less
+    errors[2] = max(errors[2], x[0])                     # resolution of the rows
     return values, errors, smooth
 
 
 def drawn_noise(left: Array, generator: np.random.Generator) -> Iterator[Array]:
-    """Series of residuals put together from blocks."""
+    """Series of residuals resampled in blocks."""
     length = max(1, len(left) // 20)
     for _ in range(DRAWS):
         begins = generator.integers(0, max(len(left) - length, 1), len(left) // length + 1)
@@ -180,7 +180,7 @@ def return_fit(x: Array, y: Array, first: float) -> tuple[float, float]:
 
 
 def hold(run: CellRun, stage: Stage, shears: Sequence[SteadyShear], generator: np.random.Generator) -> Memory | None:
-    """tau by the decay of the shear stress after a stop."""
+    """tau from the decay of the shear stress after a stop."""
     shear = next((one for one in shears if one.stage is run.before(stage)), None)
     if shear is None or len(stage.rows["time"]) < LEAST_ROWS:
         return None
@@ -189,7 +189,7 @@ def hold(run: CellRun, stage: Stage, shears: Sequence[SteadyShear], generator: n
     values, errors, smooth = decay_with_errors(time, stress, generator)
     rest, first, scale, beta = values
     last = float(np.sign(shear.stage.rate) * shear.stage.rows["stress_xy"][-1] / shear.stress)
-    # less than half of the fall is seen, or what is seen is another one
+    # less than half of the decay is measured, or it is not this decay
     if first - rest < 0.5 * (last - rest) or first <= rest or scale < time[0]:
         rest = float(stress[-len(stress) // 10:].mean())
         return memory("hold", shear, time[0] * shear.rate, time[0] * shear.rate, residual=rest,
@@ -203,7 +203,7 @@ def hold(run: CellRun, stage: Stage, shears: Sequence[SteadyShear], generator: n
 
 def reversal(run: CellRun, stage: Stage, shears: Sequence[SteadyShear], skip: float,
              generator: np.random.Generator) -> Memory | None:
-    """gamma by the return of the shear stress after the shear was reversed."""
+    """gamma from the recovery of the shear stress after the shear was reversed."""
     shear = next((one for one in shears if one.stage is stage), None)
     before = run.before(stage)
     if shear is None or before is None or before.kind != "shear" or before.rate * stage.rate > 0.0:
@@ -227,8 +227,9 @@ def reversal(run: CellRun, stage: Stage, shears: Sequence[SteadyShear], skip: fl
 def correlation_time(values: Array, width: float) -> tuple[float, float, Array]:
     """Correlation time of a series of means over intervals of a width, and its error.
 
-    The integral of the correlation is cut at five times itself (A. Sokal). Means over intervals have a smaller variance
-    than the quantity, 2 y^2 (1/y - 1 + exp(-1/y)) of it for exp(-t/tau) and y = tau/width, which is taken out."""
+    The integral of the correlation is truncated at five times its value (A. Sokal). The variance of means over
+    intervals is smaller than that of the quantity, by the factor 2 y^2 (1/y - 1 + exp(-1/y)) for exp(-t/tau) and y =
+    tau/width; this is corrected for."""
     left = values - values.mean()
     count = len(left)
     size = 1 << (2 * count - 1).bit_length()
@@ -251,7 +252,7 @@ def correlation_time(values: Array, width: float) -> tuple[float, float, Array]:
 
 
 def correlation(shear: SteadyShear, skip: float) -> Memory | None:
-    """tau by the autocorrelation of the shear stress."""
+    """tau from the autocorrelation of the shear stress."""
     rows = shear.stage.steady(skip)
     if len(rows["time"]) < 2 * LEAST_ROWS:
         return None
@@ -263,7 +264,7 @@ def correlation(shear: SteadyShear, skip: float) -> Memory | None:
 
 
 def normal(shear: SteadyShear) -> Memory:
-    """tau by the first normal stress difference. A value not above twice its error measures nothing."""
+    """tau from the first normal stress difference. A value not above twice its error is discarded."""
     note = "" if shear.normal > 2.0 * shear.normal_error else "not above twice its error"
     return memory("normal", shear, shear.normal, shear.normal_error, note=note)
 
@@ -281,14 +282,14 @@ def measure_memory(run: CellRun, shears: Sequence[SteadyShear], skip: float,
 
 
 def spread_of(memories: Sequence[Memory], stage: str) -> tuple[float, float, int]:
-    """Least and greatest strain of the four measures of a stage that found one, and how many did."""
+    """Least and greatest strain of the four methods for a stage, of those with a result, and their number."""
     found = [one.strain for one in memories if one.stage == stage and one.measure in FOUR
              and one.strain > 2.0 * one.error]
     return (min(found), max(found), len(found)) if found else (float("nan"), float("nan"), 0)
 
 
 def rate_law(memories: Sequence[Memory], measure: str) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """1/tau = 1/tau_0 + rate/gamma_c of a measure over the rates: (gamma_c, error), (1/tau_0, error), or None."""
+    """1/tau = 1/tau_0 + rate/gamma_c for one method over the rates: (gamma_c, error), (1/tau_0, error), or None."""
     chosen = [one for one in memories if one.measure == measure and one.strain > 2.0 * one.error > 0.0]
     if len({round(one.rate, 9) for one in chosen}) < 3:
         return None

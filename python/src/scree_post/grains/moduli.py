@@ -4,8 +4,8 @@
 Discs: K = (C11 + C22 + C12 + C21)/4 in the plane, G = (C11 + C22 - C12 - C21 + 4 C44)/8, lambda = K - G.
 Spheres (the average over directions after W. Voigt): K = sum of C11 ... C33 over 9,
 G = (C11 + C22 + C33 - C12 - C23 - C13 + 3 (C44 + C55 + C66))/15, lambda = K - 2 G/3.
-C44 and its kin are stresses per shear du_x/dy. An elastic stiffness is symmetric, C12 = C21, and resists shear;
-a relaxed probe in which grains changed places is not one, and no block is made of it.
+C44, C55 and C66 are stresses per shear such as du_x/dy. An elastic stiffness is symmetric, C12 = C21, and resists
+shear; a relaxed probe in which grains rearranged is not elastic, and is not used for a block.
 """
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Moduli:
 
     @property
     def elastic(self) -> bool:
-        """True if the probe is that of an elastic state."""
+        """True if the state of the probe is elastic."""
         return self.shear > 0.0 and self.asymmetry < ASYMMETRY
 
 

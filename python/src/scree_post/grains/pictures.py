@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures: friction and volume fraction, memory of the stress, and the fitted law on the path of the cell."""
+"""Figures: friction and volume fraction, relaxation of the stress, and the fitted law on the strain path of the
+cell."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -25,7 +26,7 @@ MARKS = {"survival": "o", "hold": "s", "normal": "^", "correlation": "D", "rever
 
 
 def dress(axes: Axes, x: str, y: str) -> None:
-    """Labels and the common look."""
+    """Labels and the common style."""
     axes.set(xlabel=x, ylabel=y)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.set_axisbelow(True)
@@ -114,7 +115,8 @@ def memory(memories: Sequence[Memory], title: str) -> Figure:
 
 
 def episodes(run: CellRun, shears: Sequence[SteadyShear]) -> dict[str, tuple[Stage, SteadyShear]]:
-    """Parts of the path that the law is held against: a start, a reversal, a stop, each with its steady shear."""
+    """Parts of the strain path with which the law is compared: a start, a reversal, a stop, each with its steady
+    shear."""
     found: dict[str, tuple[Stage, SteadyShear]] = {}
     for shear in shears:
         before = run.before(shear.stage) if shear.run is run else None
@@ -131,7 +133,8 @@ def episodes(run: CellRun, shears: Sequence[SteadyShear]) -> dict[str, tuple[Sta
 
 
 def law_on_path(run: CellRun, stage: Stage, times: Array, keys: Mapping[str, Any], sign: float) -> Array:
-    """Shear stress of the law along the sign of the rate, from the stress of the cell before the stage [Pa]."""
+    """Shear stress of the law along the sign of the rate, starting from the stress of the cell before the stage
+    [Pa]."""
     before = run.before(stage)
     assert before is not None, "episodes have a stage before them"
     rows = before.rows

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Closed solution of the relaxation law (Y.15) and (Y.16) of doc/theory/strength.md in simple shear.
 
-With a = (s_xx - s_yy)/2, b = s_xy and z = a + i b the law is z' = -(1/tau + i rate) z + i G rate, so z goes
+With a = (s_xx - s_yy)/2, b = s_xy and z = a + i b the law is z' = -(1/tau + i rate) z + i G rate, so z tends
 exponentially to i G rate/(1/tau + i rate): b = G W/(1 + W^2) and N1/(2 b) = W with W = tau rate. At rest with gamma_c
-alone z stays.
+alone z is constant.
 """
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .cell_run import CellRun, Stage
 
 LEAST_LINEAR, LEAST_CURVED = 2, 4      # inertial numbers that a fit needs
-FASTEST = 0.25                         # greatest inertial number of the straight lines
+FASTEST = 0.25                         # greatest inertial number for the linear fits
 
 
 Fits = dict[str, tuple[float, float]]  # name: value and error
@@ -42,12 +42,12 @@ class SteadyShear:
     normal: float                                        # W = N1/(2 sigma_xy)
     normal_error: float
     coordination: float
-    drifting: str                                        # names of means that drift, or empty
+    drifting: str                                        # names of means with a drift, or empty
     samples: dict[str, Array] = field(default_factory=dict)          # of the bootstrap
 
 
 def steady_shear(run: CellRun, stage: Stage, skip: float, generator: np.random.Generator) -> SteadyShear:
-    """Means of a shear stage behind its start."""
+    """Means of a shear stage after its start."""
     rows = stage.steady(skip)
     sign = np.sign(stage.rate)
     shear, normal, difference = sign * rows["stress_xy"], -rows["stress_yy"], \
@@ -121,7 +121,7 @@ def fit_rheology(shears: Sequence[SteadyShear]) -> Fits:
 
 
 def distinct(numbers: Iterable[float]) -> int:
-    """How many numbers differ by more than a tenth."""
+    """Number of values that differ by more than a tenth."""
     count, last = 0, 0.0
     for number in sorted(numbers):
         if number > 1.1 * last:

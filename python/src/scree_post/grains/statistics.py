@@ -11,18 +11,18 @@ if TYPE_CHECKING:
     from scree.arrays import Array
 
 SAMPLES = 400            # of a bootstrap
-FEWEST_BLOCKS = 8        # of which an error bar is made
+FEWEST_BLOCKS = 8        # fewest blocks for an error bar
 
 
 def blocks(values: Array, count: int) -> Array:
-    """Means of `count` blocks of equal length; a rest at the start is left out."""
+    """Means of `count` blocks of equal length; a remainder at the start is excluded."""
     values = np.asarray(values, dtype=float)
     length = len(values) // count
     return np.asarray(values[len(values) - length * count:].reshape(count, length, *values.shape[1:]).mean(axis=1))
 
 
 def block_counts(rows: int) -> list[int]:
-    """Numbers of blocks, halved down to the fewest."""
+    """Numbers of blocks, halved down to the smallest."""
     counts, count = [], rows
     while count >= FEWEST_BLOCKS:
         counts.append(count)
@@ -41,7 +41,7 @@ def mean_error(values: Array) -> float:
 
 
 def fitting_blocks(values: Array) -> int:
-    """The number of blocks at which the error bar is greatest: their means count as independent."""
+    """The number of blocks with the greatest error bar: the means of these blocks count as independent."""
     counts = [count for count in block_counts(len(values)) if count > 1]
     if not counts:
         return 1
@@ -58,13 +58,13 @@ def drift(values: Array) -> tuple[float, float]:
 
 
 def drifts(values: Array, share: float = 0.05) -> bool:
-    """Whether a mean changes over the rows: by more than three error bars and more than a share of itself."""
+    """True if a mean changes over the rows: by more than three error bars and more than a fraction of itself."""
     change, error = drift(values)
     return bool(np.isfinite(error) and abs(change) > 3.0 * error and abs(change) > share * abs(np.mean(values)))
 
 
 def resampled_means(columns: Any, generator: np.random.Generator, samples: int = SAMPLES) -> Array:
-    """Means (sample, column) of rows drawn block by block, the same blocks for all columns."""
+    """Means (sample, column) of rows resampled in blocks, the same blocks for all columns."""
     columns = np.asarray(columns, dtype=float)
     count = max(fitting_blocks(column) for column in columns[:1])
     count = min([count, *(fitting_blocks(column) for column in columns[1:])])
@@ -90,7 +90,7 @@ def linear_fit(basis: Array, values: Array, errors: Array) -> tuple[Array, float
     weights = weights_of(errors)
     scaled, target = basis * weights[:, None], values * weights
     square = scaled.T @ scaled
-    # the normal equations are fast; where they lose digits the slow way is taken
+    # the normal equations are fast; where they lose digits the slower method is used
     if np.linalg.det(square) > 1.0e-8 * np.prod(np.diag(square)):
         found = np.linalg.solve(square, scaled.T @ target)
     else:
@@ -99,7 +99,7 @@ def linear_fit(basis: Array, values: Array, errors: Array) -> tuple[Array, float
 
 
 def least_on_grid(function: Callable[[float], float], low: Any, high: Any, points: int = 41, rounds: int = 6) -> float:
-    """Place of the least value of a function of one number, by grids that close in."""
+    """Position of the minimum of a function of one number, by successively refined grids."""
     ends = low, high
     best = low
     for _ in range(rounds):

@@ -82,7 +82,7 @@ def with_error(value: float, error: float) -> str:
 
 
 def four_ways(shears: Sequence[SteadyShear], memories: Sequence[Memory]) -> list[str]:
-    """Lines: tau rate of each stage by each measure, and the spread of the four."""
+    """Lines: tau rate of each stage by each method, and the spread of the four."""
     names = (*memory.FOUR, "reversal")
     lines = [f"{'tau rate of stage':<20} {'I':>7} " + " ".join(f"{name:>13}" for name in names) + "  greatest/least"]
     for shear in shears:
