@@ -16,10 +16,10 @@ SKIPPED = re.compile(
     r"complex|format|continue|critical)\b", re.I)
 # : Statements that are not changed: declarations, descriptions of keys, measured times, and texts of messages.
 SILENT = re.compile(
-    r"::|schema%|timer|cost\b|record_cost|progress|capacity|reserve|%complain|%line\(|log%|message|unit_of|"
+    r"::|schema%|timer|cost\b|record_cost|progress|capacity|reserve|%add_error|%line\(|log%|message|unit_of|"
     r"wall_time|width|write_|hint|text_of", re.I)
 # : The statements from here on only compose the text of a message.
-MESSAGE = re.compile(r"\bcall (fail\w*|\w*%?error|\w*%complain|command_line_error|agree|\w*report\w*)\b", re.I)
+MESSAGE = re.compile(r"\bcall (fail\w*|\w*%?error|\w*%add_error|command_line_error|agree|\w*report\w*)\b", re.I)
 #: Files that only write texts or measure times.
 SILENT_FILES = re.compile(
     r"_(help|information|progress|lists|cost_report|examples|messages?|log|timer|tile_cost|run_time_estimate|"

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> An input deck, read against the schema with all its errors found in one pass.
 !!
-!! Usage: `read`, further checks with `complain` and `warn`, then `verdict`.
+!! Usage: `read`, further checks with `add_error` and `warn`, then `verdict`.
 module base_deck
    use base_deck_check, only: check_groups, check_schema, label_of
    use base_deck_define, only: definitions_t
@@ -43,7 +43,7 @@ module base_deck
       procedure :: departs => deck_departs               !! Is a key given, and not its default?
       procedure :: named => deck_named                   !! Index of the group with a given name
       !> Record an error or a warning about a group, at the line of a key if it is given.
-      generic :: complain => report_group_error, report_place_error
+      generic :: add_error => report_group_error, report_place_error
       generic :: warn => warn_of_group, warn_of_place    !! The same for a warning
       !> Replace a default that depends on other keys by the value that is used.
       generic :: set_default => set_default_numbers, set_default_number, set_default_integer, &
@@ -222,7 +222,7 @@ contains
       character(len=*), intent(in) :: message            !! Error and its remedy
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
-      call self%complain(self%group(name, place), message, key)
+      call self%add_error(self%group(name, place), message, key)
    end subroutine report_place_error
 
    !> Record a warning about a group.
@@ -336,14 +336,14 @@ contains
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: key
       type(value_t) :: default
-      character(len=:), allocatable :: complaint
+      character(len=:), allocatable :: problem
       integer :: rule, k, i
 
       departs = group%given(key)
       if (.not. departs) return
       rule = self%schema%find(group%group)
       k = self%schema%groups(rule)%find(key)
-      call read_default(self%schema%groups(rule)%keys(k), default, complaint)
+      call read_default(self%schema%groups(rule)%keys(k), default, problem)
       associate (value => group%values(group%find(key)))
          if (default%count() /= value%count()) return
          departs = .false.

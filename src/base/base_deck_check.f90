@@ -20,7 +20,7 @@ contains
       type(schema_t), intent(in) :: schema
       type(error_t), allocatable, intent(out) :: error   !! The first mistake
       type(value_t) :: value
-      character(len=:), allocatable :: complaint
+      character(len=:), allocatable :: problem
       integer :: i, k, other, owner
 
       if (allocated(schema%fault)) then
@@ -30,16 +30,16 @@ contains
       do i = 1, size(schema%groups)
          do k = 1, size(schema%groups(i)%keys)
             associate (key => schema%groups(i)%keys(k))
-               call read_default(key, value, complaint)
+               call read_default(key, value, problem)
                do owner = 1, size(key%owners)
                   other = schema%find(key%owners(owner)%group)
                   if (other > 0) other = schema%groups(other)%find(key%owners(owner)%key)
-                  if (other == 0) complaint = "owner"
+                  if (other == 0) problem = "owner"
                end do
-               if (key%target /= "" .and. schema%find(key%target) == 0) complaint = "target"
-               if (complaint == "") cycle
+               if (key%target /= "" .and. schema%find(key%target) == 0) problem = "target"
+               if (problem == "") cycle
                call fail(error, exit_internal, "declaration of the deck: "//key%group//"."// &
-                  key%name//": "//complaint)
+                  key%name//": "//problem)
                return
             end associate
          end do
@@ -130,9 +130,9 @@ contains
    subroutine drop(key, value)
       type(key_t), intent(in) :: key
       type(value_t), intent(inout) :: value              !! Value
-      character(len=:), allocatable :: complaint
+      character(len=:), allocatable :: problem
 
-      call read_default(key, value, complaint)
+      call read_default(key, value, problem)
       value%file = command_line
    end subroutine drop
 

@@ -151,7 +151,7 @@ contains
       integer, intent(in) :: system                      !! Units of the numbers
       type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: group              !! Gets the value
-      character(len=:), allocatable :: complaint, hint
+      character(len=:), allocatable :: problem, hint
       integer :: subscript
 
       associate (key => rule%keys(place), value => group%values(place))
@@ -170,11 +170,11 @@ contains
                number(key%number_of_values))
             return
          end if
-         call convert(key, piece%tokens, subscript, system, value, complaint)
-         if (complaint == "") return
+         call convert(key, piece%tokens, subscript, system, value, problem)
+         if (problem == "") return
          hint = lost_sign(rule, piece%tokens)//lost_braces(key, piece%tokens)
          call problems%error(file, piece%line, "&"//rule%name//": "//key%name//piece%subscript// &
-            " = "//written(piece%tokens)//complaint//hint)
+            " = "//written(piece%tokens)//problem//hint)
       end associate
    end subroutine store
 
@@ -245,7 +245,7 @@ contains
       type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: group              !! Gets the values
       type(value_t) :: default
-      character(len=:), allocatable :: complaint
+      character(len=:), allocatable :: problem
       integer :: i, missing
 
       do i = 1, size(rule%keys)
@@ -254,7 +254,7 @@ contains
             if (value%given) then
                if (all(value%filled)) cycle
             end if
-            call read_default(key, default, complaint)
+            call read_default(key, default, problem)
             if (.not. value%given) then
                value = default
                cycle

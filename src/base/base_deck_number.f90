@@ -24,12 +24,12 @@ module base_deck_number
 contains
 
    !> Convert a number with its own unit, or in that of the deck.
-   subroutine convert_number(key, item, system, number_read, complaint)
+   subroutine convert_number(key, item, system, number_read, problem)
       type(key_t), intent(in) :: key
       type(item_t), intent(in) :: item                   !! As written
       integer, intent(in) :: system                      !! Units of numbers without a unit
       real(wp), intent(out) :: number_read               !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
+      character(len=:), allocatable, intent(inout) :: problem !! Empty without an error
       type(written_unit_t) :: own
       real(wp) :: exponent, factor
 
@@ -37,88 +37,88 @@ contains
       factor = 1.0_wp
       if (item%unit /= "") then
          call read_unit(own, item%unit)
-         complaint = unfit_unit(key, own, item%unit)
-         if (complaint /= "") return
+         problem = unfit_unit(key, own, item%unit)
+         if (problem /= "") return
          exponent = own%exponent
          factor = own%factor
          ! the angles of a deck are in degrees, those of a unit in radians
          if (key%unit_text == "deg") factor = &
             merge(1.0_wp, factor/radian, .not. abs(factor - radian) > 0.0_wp)
       end if
-      call read_number(item%text, nint(exponent), number_read, complaint)
-      if (complaint == "?") complaint = expectation(key)
-      if (complaint /= "") return
+      call read_number(item%text, nint(exponent), number_read, problem)
+      if (problem == "?") problem = expectation(key)
+      if (problem /= "") return
       exponent = exponent - real(nint(exponent), wp)
       if (abs(exponent) > 0.0_wp) number_read = number_read*10.0_wp**exponent
       if (abs(factor - 1.0_wp) > 0.0_wp) number_read = number_read*factor
-      call check_range(key, number_read, complaint)
+      call check_range(key, number_read, problem)
    end subroutine convert_number
 
    !> The error in the unit after the number of a key; empty if it fits.
-   function unfit_unit(key, own, written) result(complaint)
+   function unfit_unit(key, own, written) result(problem)
       type(key_t), intent(in) :: key
       type(written_unit_t), intent(in) :: own
       character(len=*), intent(in) :: written            !! The same as written
-      character(len=:), allocatable :: complaint
+      character(len=:), allocatable :: problem
       real(wp), parameter :: grain = 1.0e-9_wp           ! rounding of a sum of powers
       logical :: fits
 
-      complaint = own%fault
-      if (complaint /= "") return
+      problem = own%fault
+      if (problem /= "") return
       fits = all(abs(own%power - key%unit%power) < grain)
       if (key%unit_text == "deg") then
          fits = fits .and. abs(own%angle - 1.0_wp) < grain
       else if (all(abs(key%unit%power) < grain)) then
-         complaint = "takes a number without a unit, not '"//written//"'"
+         problem = "takes a number without a unit, not '"//written//"'"
          return
       else if (abs(own%angle) > grain) then
          fits = fits .and. key%unit_text == "1/s"
       end if
       if (fits) return
-      complaint = "expects "//key%unit_text//" or a unit of the same kind"
+      problem = "expects "//key%unit_text//" or a unit of the same kind"
       select case (key%unit_text)
       case ("m")
-         complaint = complaint//" such as mm"
+         problem = problem//" such as mm"
       case ("s")
-         complaint = complaint//" such as us"
+         problem = problem//" such as us"
       case ("m/s")
-         complaint = complaint//" such as km/s"
+         problem = problem//" such as km/s"
       case ("kg/m3")
-         complaint = complaint//" such as g/cm3"
+         problem = problem//" such as g/cm3"
       case ("Pa")
-         complaint = complaint//" such as GPa"
+         problem = problem//" such as GPa"
       case ("deg")
-         complaint = complaint//" such as rad"
+         problem = problem//" such as rad"
       case default
          continue
       end select
-      complaint = complaint//", not '"//written//"'"
+      problem = problem//", not '"//written//"'"
    end function unfit_unit
 
    !> Read a number, its decimal exponent shifted.
-   subroutine read_number(text, shift, number_read, complaint)
+   subroutine read_number(text, shift, number_read, problem)
       character(len=*), intent(in) :: text               !! Text as written
       integer, intent(in) :: shift                       !! Added to the decimal exponent
       real(wp), intent(out) :: number_read               !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is not a number
+      character(len=:), allocatable, intent(inout) :: problem !! "?" if it is not a number
       integer :: verdict
 
       call read_decimal(text, shift, number_read, verdict)
       select case (verdict)
       case (decimal_good)
-         complaint = ""
+         problem = ""
       case (decimal_none)
-         complaint = "?"
+         problem = "?"
       case default
-         complaint = "is too large or too small for a number"
+         problem = "is too large or too small for a number"
       end select
    end subroutine read_number
 
    !> Check the range of a number.
-   subroutine check_range(key, value, complaint)
+   subroutine check_range(key, value, problem)
       type(key_t), intent(in) :: key
       real(wp), intent(in) :: value                      !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
+      character(len=:), allocatable, intent(inout) :: problem !! Empty without an error
       type(text_t), allocatable :: parts(:)
       logical :: inside
 
@@ -128,32 +128,32 @@ contains
       if (inside) return
       call split(key%range%text, parts)
       if (size(parts) == 4) then
-         complaint = "must be "//join(parts(:2), " ")//" and "//join(parts(3:), " ")
+         problem = "must be "//join(parts(:2), " ")//" and "//join(parts(3:), " ")
       else
-         complaint = "must be "//key%range%text
+         problem = "must be "//key%range%text
       end if
-      if (key%unit_text /= "") complaint = complaint//" "//key%unit_text
-      if (key%range%hint /= "") complaint = complaint//"; "//key%range%hint
+      if (key%unit_text /= "") problem = problem//" "//key%unit_text
+      if (key%range%hint /= "") problem = problem//"; "//key%range%hint
    end subroutine check_range
 
    !> Read an integer.
-   subroutine read_integer(text, whole, complaint)
+   subroutine read_integer(text, whole, problem)
       character(len=*), intent(in) :: text               !! Text as written
       integer, intent(out) :: whole                      !! Value of the text
-      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is not an integer
+      character(len=:), allocatable, intent(inout) :: problem !! "?" if it is not an integer
       character(len=*), parameter :: figures = "0123456789"
       integer(int64) :: long
       integer :: first, status
 
       whole = 0
-      complaint = "?"
+      problem = "?"
       first = merge(2, 1, scan(text//" ", "+-") == 1)
       if (first > len(text) .or. verify(text(first:), figures) > 0) return
-      complaint = "must not be beyond "//number(huge(whole))
+      problem = "must not be beyond "//number(huge(whole))
       if (len(text) > 12) return
       read (text, *, iostat=status) long
       if (status /= 0 .or. abs(long) > huge(whole)) return
-      complaint = ""
+      problem = ""
       whole = int(long)
    end subroutine read_integer
 

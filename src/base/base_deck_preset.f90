@@ -49,7 +49,7 @@ contains
       type(group_t), intent(inout) :: groups(:)          !! All groups
       type(key_t) :: key
       type(value_t) :: value
-      character(len=:), allocatable :: complaint, reason
+      character(len=:), allocatable :: problem, reason
       integer :: i, line, place, rule
 
       rule = schema%find(groups(which)%group)
@@ -68,10 +68,10 @@ contains
       key = schema%groups(rule)%keys(place)
       if (.not. applies(schema, key, groups, index, which)) return
       key%default = entry%value
-      call read_default(key, value, complaint)
+      call read_default(key, value, problem)
       reason = entry%key//" = "//entry%value
-      if (complaint /= "") call problems%error(groups(which)%file("preset"), line, &
-         "the preset gives "//reason//complaint)
+      if (problem /= "") call problems%error(groups(which)%file("preset"), line, &
+         "the preset gives "//reason//problem)
       value%given = .true.
       value%line = line
       value%file = groups(which)%file("preset")

@@ -148,7 +148,7 @@ contains
       character(len=*), intent(in) :: name               !! Name
       type(group_t), intent(inout) :: body
       character(len=11), parameter :: keys(2) = ["repeat     ", "repeat_step"]
-      character(len=:), allocatable :: complaint
+      character(len=:), allocatable :: problem
       integer :: k, place, rule
 
       call put_text(body, "name", name)
@@ -156,7 +156,7 @@ contains
       rule = schema%find(body%group)
       do k = 1, size(keys)
          place = body%find(trim(keys(k)))
-         call read_default(schema%groups(rule)%keys(place), body%values(place), complaint)
+         call read_default(schema%groups(rule)%keys(place), body%values(place), problem)
       end do
    end subroutine name_copy
 

@@ -32,7 +32,7 @@ module base_deck_value
    end type value_t
 
    integer, parameter :: longest_text = 240 !! Fits into a line even with all quotes doubled
-   character(len=*), parameter :: points_at = "  <- "    !! Between value and complaint
+   character(len=*), parameter :: points_at = "  <- "    !! Between value and problem
 
 contains
 
@@ -47,15 +47,15 @@ contains
    end function value_count
 
    !> Set the value of a key to its default.
-   subroutine read_default(key, value, complaint)
+   subroutine read_default(key, value, problem)
       type(key_t), intent(in) :: key
       type(value_t), intent(out) :: value                !! Value
-      character(len=:), allocatable, intent(out) :: complaint !! Empty without an error
+      character(len=:), allocatable, intent(out) :: problem !! Empty without an error
       type(token_t), allocatable :: tokens(:)
       type(text_t), allocatable :: words(:)
       integer :: i
 
-      complaint = ""
+      problem = ""
       value%key = key%name
       if (.not. allocated(key%default)) then
          allocate (value%filled(key%number_of_values), source=.false.)
@@ -73,65 +73,65 @@ contains
          tokens(i)%text = words(i)%text
          tokens(i)%quoted = key%kind == kind_text
       end do
-      call convert(key, tokens, 0, system_si, value, complaint)
+      call convert(key, tokens, 0, system_si, value, problem)
    end subroutine read_default
 
    !> Convert text into values in SI.
-   subroutine convert(key, tokens, subscript, system, value, complaint)
+   subroutine convert(key, tokens, subscript, system, value, problem)
       type(key_t), intent(in) :: key
       type(token_t), intent(in) :: tokens(:)             !! As written
       integer, intent(in) :: subscript                   !! First value to set, 0 = all
       integer, intent(in) :: system                      !! Units of numbers without a unit
       type(value_t), intent(inout) :: value              !! Gets the values
-      character(len=:), allocatable, intent(out) :: complaint !! Empty without an error
+      character(len=:), allocatable, intent(out) :: problem !! Empty without an error
       type(item_t), allocatable :: items(:)
       integer :: first, i, number_of_values
 
-      complaint = ""
+      problem = ""
       call allocate_values(key, value)
       first = max(subscript, 1)
       number_of_values = key%number_of_values - first + 1
-      call expand_repeats(key, tokens, number_of_values, items, complaint)
-      if (complaint == "" .and. size(items) == 0) complaint = expectation(key)
+      call expand_repeats(key, tokens, number_of_values, items, problem)
+      if (problem == "" .and. size(items) == 0) problem = expectation(key)
       ! units of values beyond the last one are not kept
-      if (complaint == "" .and. key%kind == kind_real) complaint = &
+      if (problem == "" .and. key%kind == kind_real) problem = &
          mixed_units(items(:min(size(items), number_of_values)))
       do i = 1, min(size(items), number_of_values)
-         if (complaint /= "") exit
-         call convert_item(key, items(i), system, first + i - 1, value, complaint)
+         if (problem /= "") exit
+         call convert_item(key, items(i), system, first + i - 1, value, problem)
       end do
-      if (complaint == "") then
+      if (problem == "") then
          if (size(items) > number_of_values) then
-            complaint = too_many(key, subscript, tokens, items)
+            problem = too_many(key, subscript, tokens, items)
          else if (key%exact .and. subscript == 0 .and. size(items) < number_of_values) then
-            complaint = expectation(key)//", not "//number(size(items))
+            problem = expectation(key)//", not "//number(size(items))
          end if
       end if
-      if (complaint == "") return
+      if (problem == "") return
       value%valid = .false.
-      if (complaint(1:1) /= " ") complaint = points_at//complaint
+      if (problem(1:1) /= " ") problem = points_at//problem
    end subroutine convert
 
    !> The error if there are more values than the key allows.
-   function too_many(key, subscript, tokens, items) result(complaint)
+   function too_many(key, subscript, tokens, items) result(problem)
       type(key_t), intent(in) :: key
       integer, intent(in) :: subscript                   !! First value to set, 0 = all
       type(token_t), intent(in) :: tokens(:)             !! As written
       type(item_t), intent(in) :: items(:)
-      character(len=:), allocatable :: complaint
+      character(len=:), allocatable :: problem
       integer :: i
 
-      complaint = expectation(key)//", not "//number(size(items))
-      if (subscript > 0) complaint = expectation(key)//"; there is no value "// &
+      problem = expectation(key)//", not "//number(size(items))
+      if (subscript > 0) problem = expectation(key)//"; there is no value "// &
          number(key%number_of_values + 1)
       do i = 1, size(tokens)
          if (.not. tokens(i)%quoted .and. index(tokens(i)%raw, "*") > 0) &
-            complaint = expectation(key)
+            problem = expectation(key)
       end do
       do i = 1, size(items)
          if (key%kind == kind_text .and. items(i)%quoted) cycle
          if (key%kind /= kind_text .and. verify(items(i)%text, "+-.0123456789eEdD") == 0) cycle
-         complaint = expectation(key)
+         problem = expectation(key)
       end do
    end function too_many
 
@@ -158,12 +158,12 @@ contains
    end subroutine allocate_values
 
    !> Resolve commas and repeat counts such as 3*0.0. Copies beyond the last value are left out.
-   subroutine expand_repeats(key, tokens, number_of_values, items, complaint)
+   subroutine expand_repeats(key, tokens, number_of_values, items, problem)
       type(key_t), intent(in) :: key
       type(token_t), intent(in) :: tokens(:)             !! As written
       integer, intent(in) :: number_of_values            !! Number of values to set
       type(item_t), allocatable, intent(out) :: items(:)
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
+      character(len=:), allocatable, intent(inout) :: problem !! Empty without an error
       type(item_t) :: item
       logical :: after_comma
       integer :: before, copies, i, mark, pending
@@ -174,7 +174,7 @@ contains
       pending = 1
       do i = 1, size(tokens)
          if (tokens(i)%comma) then
-            if (after_comma) complaint = "lacks a value before a comma"
+            if (after_comma) problem = "lacks a value before a comma"
             after_comma = .true.
             cycle
          end if
@@ -221,13 +221,13 @@ contains
    end function is_unit
 
    !> The error if some numbers of a list have a unit and others, except 0, have none.
-   function mixed_units(items) result(complaint)
+   function mixed_units(items) result(problem)
       type(item_t), intent(in) :: items(:)
-      character(len=:), allocatable :: complaint
+      character(len=:), allocatable :: problem
       logical :: bare, united
       integer :: i
 
-      complaint = ""
+      problem = ""
       bare = .false.
       united = .false.
       do i = 1, size(items)
@@ -236,7 +236,7 @@ contains
          if (items(i)%unit == "") bare = bare .or. &
             scan(items(i)%text(:scan(items(i)%text//"e", "eEdD") - 1), "123456789") > 0
       end do
-      if (bare .and. united) complaint = &
+      if (bare .and. united) problem = &
          "has numbers with and without a unit; write one after each number that is not 0"
    end function mixed_units
 
@@ -284,25 +284,25 @@ contains
    end function copies_of
 
    !> Convert one value.
-   subroutine convert_item(key, item, system, place, value, complaint)
+   subroutine convert_item(key, item, system, place, value, problem)
       type(key_t), intent(in) :: key
       type(item_t), intent(in) :: item                   !! As written
       integer, intent(in) :: system                      !! Units of numbers without a unit
       integer, intent(in) :: place                       !! Index of the value
       type(value_t), intent(inout) :: value              !! Gets the value
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
+      character(len=:), allocatable, intent(inout) :: problem !! Empty without an error
 
       if (item%quoted .neqv. key%kind == kind_text) then
-         complaint = expectation(key)
+         problem = expectation(key)
          return
       end if
       select case (key%kind)
       case (kind_real)
-         call convert_number(key, item, system, value%numbers(place), complaint)
+         call convert_number(key, item, system, value%numbers(place), problem)
       case (kind_integer)
-         call read_integer(item%text, value%integers(place), complaint)
-         if (complaint == "?") complaint = expectation(key)
-         if (complaint == "") call check_range(key, real(value%integers(place), wp), complaint)
+         call read_integer(item%text, value%integers(place), problem)
+         if (problem == "?") problem = expectation(key)
+         if (problem == "") call check_range(key, real(value%integers(place), wp), problem)
       case (kind_logical)
          select case (lower(item%text))
          case (".true.", ".t.", "true", "t")
@@ -310,38 +310,38 @@ contains
          case (".false.", ".f.", "false", "f")
             value%switches(place) = .false.
          case default
-            complaint = expectation(key)
+            problem = expectation(key)
          end select
       case default
-         call check_words(key, item%text, value%texts(place)%text, complaint)
-         if (complaint == "" .and. key%unit_text /= "") &
+         call check_words(key, item%text, value%texts(place)%text, problem)
+         if (problem == "" .and. key%unit_text /= "") &
             call convert_formula(key, system, longest_text, value%texts(place)%text, &
-            complaint)
+            problem)
       end select
-      if (complaint == "") value%filled(place) = .true.
+      if (problem == "") value%filled(place) = .true.
    end subroutine convert_item
 
    !> Check a text against the words that are allowed, in letters of either case.
-   subroutine check_words(key, written, text, complaint)
+   subroutine check_words(key, written, text, problem)
       type(key_t), intent(in) :: key
       character(len=*), intent(in) :: written            !! Text as written
       character(len=:), allocatable, intent(out) :: text !! In the case of the key
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
+      character(len=:), allocatable, intent(inout) :: problem !! Empty without an error
       character(len=:), allocatable :: near
       integer :: i
 
       text = trim(written)
-      if (text == "") complaint = "expects a text that is not empty"
-      if (len(text) > longest_text) complaint = "is longer than "//number(longest_text)//" letters"
-      if (complaint /= "" .or. size(key%words) == 0) return
+      if (text == "") problem = "expects a text that is not empty"
+      if (len(text) > longest_text) problem = "is longer than "//number(longest_text)//" letters"
+      if (problem /= "" .or. size(key%words) == 0) return
       do i = 1, size(key%words)
          if (lower(key%words(i)%text) /= lower(text)) cycle
          text = key%words(i)%text
          return
       end do
-      complaint = " is none of: "//join(key%words, " ")
+      problem = " is none of: "//join(key%words, " ")
       near = closest(text, key%words)
       if (near == "" .and. allocated(key%meanings)) near = closest_meaning(text, key%meanings)
-      if (near /= "") complaint = complaint//"; did you mean '"//near//"'?"
+      if (near /= "") problem = problem//"; did you mean '"//near//"'?"
    end subroutine check_words
 end module base_deck_value

@@ -30,13 +30,13 @@ contains
    end subroutine compile_place_formula
 
    !> Rewrite the formula of a key for SI.
-   subroutine convert_formula(key, system, longest, text, complaint)
+   subroutine convert_formula(key, system, longest, text, problem)
       type(key_t), intent(in) :: key                     !! The key; its unit is that of the result
       integer, intent(in) :: system                      !! Units of the deck
       integer, intent(in) :: longest                     !! Longest text of the echo
       !> Formula in the units of the deck, then in SI
       character(len=:), allocatable, intent(inout) :: text
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
+      character(len=:), allocatable, intent(inout) :: problem !! Empty without an error
       type(formula_t) :: formula
       type(unit_t) :: length
       character(len=:), allocatable :: fault, letters, written
@@ -45,7 +45,7 @@ contains
 
       call compile_place_formula(text, formula, fault, place)
       if (fault /= "") then
-         complaint = "letter "//number(place)//": "//fault
+         problem = "letter "//number(place)//": "//fault
          return
       end if
       call unit_of("m", length, known)
@@ -69,7 +69,7 @@ contains
          place = last + 1
       end do
       text = shifted(written, nint(key%unit%exponent(system)))
-      if (len(text) > longest) complaint = "is longer than "//number(longest)// &
+      if (len(text) > longest) problem = "is longer than "//number(longest)// &
          " letters when it is written in SI; shorten it or write the deck in SI"
    end subroutine convert_formula
 

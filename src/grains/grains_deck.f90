@@ -111,20 +111,20 @@ contains
       call cell%get("packing", packing)
       call cell%get("volume_fraction", fraction)
       d = merge(2, 3, shape == "discs")
-      if (packing == "triangular" .and. d == 3) call deck%complain(cell, &
+      if (packing == "triangular" .and. d == 3) call deck%add_error(cell, &
          "a triangular lattice is of discs; use packing = 'fcc' for spheres", "packing")
-      if (packing == "fcc" .and. d == 2) call deck%complain(cell, &
+      if (packing == "fcc" .and. d == 2) call deck%add_error(cell, &
          "an fcc lattice is of spheres; use packing = 'triangular' for discs", "packing")
-      if (law == "hertz" .and. d == 2) call deck%complain(grains, &
+      if (law == "hertz" .and. d == 2) call deck%add_error(grains, &
          "the law of Hertz is for spheres; for discs use law = 'linear'", "law")
       if (packing == "random" .and. grains%valid(["spread", "number"]) .and. &
          grains%given("number")) then
          reach = loosest(d, spread)
-         if (cell%given("volume_fraction") .and. fraction > reach) call deck%complain(cell, &
+         if (cell%given("volume_fraction") .and. fraction > reach) call deck%add_error(cell, &
             "grains placed at random without overlap reach "//deck%shown(reach, "1")// &
             "; begin there and compress in a first &stage with servo = 'isotropic'", &
             "volume_fraction")
-         if (number < 4**d) call deck%complain(grains, &
+         if (number < 4**d) call deck%add_error(grains, &
             "a periodic cell needs four grains or more along each edge", "number")
       end if
       call check_stages(deck)

@@ -87,23 +87,23 @@ contains
       cell = deck%group("cell")
       stage = deck%group("grains")
       call stage%get("shape", shape)
-      if (deck%count("stage") == 0) call deck%complain(stage, &
+      if (deck%count("stage") == 0) call deck%add_error(stage, &
          "there is no &stage: give at least one, such as servo = 'isotropic'   duration = 1.0")
       do n = 1, deck%count("stage")
          stage = deck%group("stage", n)
          call stage%get("servo", servo)
-         if (.not. (stage%given("strain") .or. stage%given("duration"))) call deck%complain(stage, &
-            "the stage has no end: give strain or duration")
+         if (.not. (stage%given("strain") .or. stage%given("duration"))) call &
+            deck%add_error(stage, "the stage has no end: give strain or duration")
          if (stage%given("strain") .and. .not. (stage%given("rate") .or. &
-            stage%given("inertial_number"))) call deck%complain(stage, &
+            stage%given("inertial_number"))) call deck%add_error(stage, &
             "strain needs a rate or an inertial_number; without them give duration", "strain")
          has_rate = deck%departs(stage, "rate")
-         if (has_rate .and. stage%given("inertial_number")) call deck%complain(stage, &
+         if (has_rate .and. stage%given("inertial_number")) call deck%add_error(stage, &
             "rate and inertial_number are both given; keep one", "inertial_number")
          if ((servo /= "none" .or. stage%given("inertial_number")) .and. .not. &
-            (stage%given("pressure") .or. cell%given("pressure"))) call deck%complain(stage, &
+            (stage%given("pressure") .or. cell%given("pressure"))) call deck%add_error(stage, &
             "servo and inertial_number need a pressure, here or in &cell")
-         if (shape == "discs" .and. index(servo, "z") > 0) call deck%complain(stage, &
+         if (shape == "discs" .and. index(servo, "z") > 0) call deck%add_error(stage, &
             "discs have no direction z: use 'isotropic', 'x', 'y' or 'xy'", "servo")
       end do
    end subroutine check_stages

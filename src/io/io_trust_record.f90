@@ -26,7 +26,8 @@ module io_trust_record
       "energy", "volume", "stretch", "noise", "speed", "heat", "retired", &
       "damped", "momentum"]
    integer, parameter, public :: trust_ok = 1, trust_suspect = 2, trust_bad = 3
-   character(len=4), parameter, public :: trust_words(3) = [character(len=4) :: "ok", "look", "bad"]
+   character(len=5), parameter, public :: trust_words(3) = [character(len=5) :: "ok", "check", &
+      "bad"]
    !> Values up to these limits are ok, values beyond the next limits are bad
    real(wp), parameter :: ok_until(trust_entries) = &
       [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp, 1.0e-9_wp]

@@ -49,23 +49,23 @@ contains
       derived = .false.
       if (allocated(material%eos)) derived = material%eos%sets_bulk()
       if ((young .or. poisson) .and. (bulk .or. shear)) then
-         call deck%complain(group, "young/poisson and bulk/shear are both given; keep one pair")
+         call deck%add_error(group, "young/poisson and bulk/shear are both given; keep one pair")
          return
       end if
-      if (young .and. .not. poisson) call deck%complain(group, &
+      if (young .and. .not. poisson) call deck%add_error(group, &
          "poisson must be set (above -1, below 0.5), as young is given", "young")
-      if (poisson .and. .not. young) call deck%complain(group, &
+      if (poisson .and. .not. young) call deck%add_error(group, &
          "young must be set [Pa], as poisson is given", "poisson")
-      if (derived .and. bulk) call deck%complain(group, &
+      if (derived .and. bulk) call deck%add_error(group, &
          "bulk is not used, as the equation of state gives it; remove it", "bulk")
-      if (shear .and. .not. strong) call deck%complain(group, &
+      if (shear .and. .not. strong) call deck%add_error(group, &
          "shear is not used by a material without strength; remove it", "shear")
-      if (derived .and. young .and. .not. strong) call deck%complain(group, &
+      if (derived .and. young .and. .not. strong) call deck%add_error(group, &
          "young and poisson are not used by a material without strength; remove them", "young")
       if (young .or. poisson) return
-      if (.not. derived .and. .not. bulk) call deck%complain(group, &
+      if (.not. derived .and. .not. bulk) call deck%add_error(group, &
          "bulk must be set [Pa], or young [Pa] and poisson")
-      if (strong .and. .not. shear) call deck%complain(group, &
+      if (strong .and. .not. shear) call deck%add_error(group, &
          "shear must be set [Pa], or young [Pa] and poisson")
    end subroutine check_moduli
 
@@ -79,23 +79,23 @@ contains
 
       if (effects%voids .and. allocated(material%eos)) then
          fault = voids_fault(group, material%eos, material%law)
-         if (len(fault) > 0) call deck%complain(group, fault)
+         if (len(fault) > 0) call deck%add_error(group, fault)
       end if
-      if (.not. allocated(material%law) .and. .not. effects%eos) call deck%complain(group, &
+      if (.not. allocated(material%law) .and. .not. effects%eos) call deck%add_error(group, &
          "a material without strength needs &effects eos = .true.")
       if (allocated(material%law)) then
          fault = material%law%fault(group, material%eos)
-         if (len(fault) > 0) call deck%complain(group, fault)
+         if (len(fault) > 0) call deck%add_error(group, fault)
       end if
       if (allocated(material%eos)) then
          fault = material%eos%fault(group)
-         if (len(fault) > 0) call deck%complain(group, fault)
+         if (len(fault) > 0) call deck%add_error(group, fault)
          if (material%is_gas_of_explosive() .and. allocated(material%law)) &
-            call deck%complain(group, "detonation products are a gas without strength; write "// &
+            call deck%add_error(group, "detonation products are a gas without strength; write "// &
             "elastic = 'none'", "elastic")
       end if
       if (allocated(material%law) .and. .not. effects%eos) then
-         if (material%law%needs_eos()) call deck%complain(group, &
+         if (material%law%needs_eos()) call deck%add_error(group, &
             "this strength_model needs &effects eos = .true.", "strength_model")
       end if
    end subroutine check_models
@@ -114,7 +114,7 @@ contains
       used = .not. abs(rate - 1.0_wp) > 0.0_wp
       if (allocated(material%law)) used = used .or. material%law%uses_jc_rate()
       if (allocated(material%damage)) used = used .or. material%damage%uses_jc_rate()
-      if (.not. used) call deck%complain(group, &
+      if (.not. used) call deck%add_error(group, &
          "jc_rate is given but no model of Johnson and Cook", "jc_rate")
    end subroutine check_rate
 
@@ -127,16 +127,16 @@ contains
       real(wp) :: reference, melting
 
       if (material%is_gas_of_explosive()) then
-         if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by "// &
+         if (group%given("t_melt")) call deck%add_error(group, "t_melt is not used by "// &
             "detonation products, which are a gas; remove it", "t_melt")
       else if (group%given("t_melt")) then
          if (.not. (group%known("t_melt") .and. group%known("t_ref"))) return
          call group%get("t_melt", melting)
          call group%get("t_ref", reference)
          if (melting <= reference) &
-            call deck%complain(group, "t_melt must be above t_ref", "t_melt")
+            call deck%add_error(group, "t_melt must be above t_ref", "t_melt")
       else if (effects%melting .or. needs_melting(material, group)) then
-         call deck%complain(group, "t_melt must be set [K]")
+         call deck%add_error(group, "t_melt must be set [K]")
       end if
    end subroutine check_melting
 
@@ -149,11 +149,11 @@ contains
       real(wp) :: cohesion
 
       if (.not. material%repacks) return
-      if (effects%voids) call deck%complain(group, "&effects voids computes the volumes too; "// &
+      if (effects%voids) call deck%add_error(group, "&effects voids computes the volumes too; "// &
          "remove volume_from = 'grid' or voids", "volume_from")
       if (.not. group%given("cohesion")) return
       call group%get("cohesion", cohesion)
-      if (cohesion > 0.0_wp) call deck%complain(group, "volume_from = 'grid' is for grains "// &
+      if (cohesion > 0.0_wp) call deck%add_error(group, "volume_from = 'grid' is for grains "// &
          "without cohesion; remove volume_from or cohesion", "volume_from")
    end subroutine check_packing
 
@@ -173,23 +173,23 @@ contains
       if (allocated(material%damage)) then
          weibull = material%damage%needs_weibull(effects%size_scatter)
          fault = material%damage%fault(group, material%law)
-         if (len(fault) > 0) call deck%complain(group, fault, "damage_model")
-         if (material%damage%needs_flow() .and. .not. plastic) call deck%complain(group, &
+         if (len(fault) > 0) call deck%add_error(group, fault, "damage_model")
+         if (material%damage%needs_flow() .and. .not. plastic) call deck%add_error(group, &
             "this damage_model uses the plastic strain and needs a strength_model with "// &
             "plastic flow", &
             "damage_model")
-         if (.not. material%has_shear()) call deck%complain(group, &
+         if (.not. material%has_shear()) call deck%add_error(group, &
             "damage_model needs a material with a shear modulus", "damage_model")
          fault = softening_fault(group, material%law)
-         if (len(fault) > 0) call deck%complain(group, fault)
+         if (len(fault) > 0) call deck%add_error(group, fault)
       end if
       if (weibull .and. .not. group%given("weibull_m")) &
-         call deck%complain(group, "weibull_m must be given")
+         call deck%add_error(group, "weibull_m must be given")
       if (group%given("weibull_m") .and. .not. (effects%size_scatter .or. weibull)) &
-         call deck%complain(group, "weibull_m needs &effects size_scatter = .true.", "weibull_m")
+         call deck%add_error(group, "weibull_m needs &effects size_scatter = .true.", "weibull_m")
       fault = failed_law_fault(group, allocated(material%damage) .or. group%given("spall"), &
          material%has_shear())
-      if (len(fault) > 0) call deck%complain(group, fault, "failed_as")
+      if (len(fault) > 0) call deck%add_error(group, fault, "failed_as")
    end subroutine check_failure
 
    !> A law that gives the whole stress excludes other models.
@@ -202,17 +202,17 @@ contains
       call group%get("strength_model", strength)
       call group%get("eos_model", eos)
       ! the default value is always accepted, because the echo of a deck gives it for every material
-      if (group%given("eos_model") .and. eos /= "linear") call deck%complain(group, &
+      if (group%given("eos_model") .and. eos /= "linear") call deck%add_error(group, &
          "eos_model is not used, as strength_model = '"//strength//"' gives the whole stress; "// &
          "remove it", "eos_model")
       if (allocated(material%damage)) then
          if (material%law%is_plastic() .or. .not. material%damage%needs_flow()) &
-            call deck%complain(group, "damage_model is not used by strength_model = '"// &
+            call deck%add_error(group, "damage_model is not used by strength_model = '"// &
             strength//"'; remove it", "damage_model")
       end if
-      if (group%given("spall")) call deck%complain(group, &
+      if (group%given("spall")) call deck%add_error(group, &
          "spall is not used by strength_model = '"//strength//"'; remove it", "spall")
-      if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by "// &
+      if (group%given("t_melt")) call deck%add_error(group, "t_melt is not used by "// &
          "strength_model = '"//strength//"', which does not melt; remove it", "t_melt")
    end subroutine check_whole_stress
 

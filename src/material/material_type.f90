@@ -53,7 +53,7 @@ contains
          call self%burn%read(group, self%eos)
       end if
       if (allocated(self%failure%softening) .and. .not. self%bulk > 0.0_wp) &
-         call deck%complain(group, "fracture_energy needs an eos_model with a bulk modulus at "// &
+         call deck%add_error(group, "fracture_energy needs an eos_model with a bulk modulus at "// &
          "rest; a gas does not crack", "fracture_energy")
    end subroutine material_read
 
@@ -68,7 +68,7 @@ contains
 
       call material%eos%take_file(table, path, group, fault, doubt)
       if (len(doubt) > 0) call deck%warn(group, "eos_table: "//doubt, "eos_table")
-      if (len(fault) > 0) call deck%complain(group, "eos_table: "//fault, "eos_table")
+      if (len(fault) > 0) call deck%add_error(group, "eos_table: "//fault, "eos_table")
    end subroutine take_table
 
    !> Allocate the requested models.

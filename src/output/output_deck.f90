@@ -103,7 +103,7 @@ contains
       if (.not. (checkpoint%known("dt") .and. time%known("t_end"))) return
       call checkpoint%get("dt", dt)
       call time%get("t_end", t_end)
-      if (t_end/most > dt) call deck%complain(checkpoint, "dt gives "//brief(t_end/dt)// &
+      if (t_end/most > dt) call deck%add_error(checkpoint, "dt gives "//brief(t_end/dt)// &
          " checkpoints until t_end; use a longer dt, or wall_minutes", "dt")
    end subroutine check_checkpoint
 

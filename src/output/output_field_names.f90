@@ -45,7 +45,7 @@ contains
       do n = 1, size(names)
          call stream%try_field(names(n), simulation, simulation%stores, error)
          if (allocated(error)) then
-            call deck%complain(group, error%message, "fields")
+            call deck%add_error(group, error%message, "fields")
          else
             fields = [fields, names(n)]
          end if
@@ -68,7 +68,7 @@ contains
       do n = 1, size(names)
          call stream%try_field(names(n), simulation, none, error)
          if (.not. allocated(error)) cycle
-         if (index(error%message, unknown) > 0) call deck%complain(group, error%message, "fields")
+         if (index(error%message, unknown) > 0) call deck%add_error(group, error%message, "fields")
       end do
    end subroutine check_field_names
 

@@ -185,7 +185,7 @@ contains
       real(wp), allocatable, intent(out) :: row(:)   !! (column)
       real(wp) :: values(every)
       type(balance_t) :: now
-      type(shapes_sample_t) :: look
+      type(shapes_sample_t) :: sample
 
       values = 0.0_wp
       call simulation%balance%ledger%balance(simulation%machine%communicator, &
@@ -202,8 +202,8 @@ contains
          if (columns%further(potential)) more(potential) = potential_energy(simulation)
          if (columns%further(runout)) more(runout) = reach(simulation)
          if (any(columns%further(stretch:))) then
-            call examine_shapes(simulation, look)
-            more(stretch:) = [look%longest, look%share, look%overlap, look%difference]
+            call examine_shapes(simulation, sample)
+            more(stretch:) = [sample%longest, sample%share, sample%overlap, sample%difference]
          end if
          if (any(columns%further(height:tail + 2))) call find_ends(simulation, more(height), &
             more(front:front + 2), more(tail:tail + 2))

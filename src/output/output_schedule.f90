@@ -56,9 +56,9 @@ contains
          total = total + 1
          given = given//" "//trim(keys(i))
       end do
-      if (total == 0) call deck%complain(output, "give one of dt, every, times, count")
-      if (total > 1) call deck%complain(output, "give one of dt, every, times, count, not"//given, &
-         given(2:index(given(2:)//" ", " ")))
+      if (total == 0) call deck%add_error(output, "give one of dt, every, times, count")
+      if (total > 1) call deck%add_error(output, "give one of dt, every, times, count, not"// &
+         given, given(2:index(given(2:)//" ", " ")))
       time = deck%group("time")
       call time%get("t_end", t_end)
       if (t_end <= unset) return

@@ -67,7 +67,7 @@ contains
       call group%get("region", region)
       do n = 1, size(shapes)
          if (region == "" .or. shapes(n)%name /= region) cycle
-         if (allocated(shapes(n)%points)) call deck%complain(group, "'"//region// &
+         if (allocated(shapes(n)%points)) call deck%add_error(group, "'"//region// &
             "' is a list of points, which has no interior; name another region", "region")
          rule%region = shapes(n)%shape
       end do
@@ -90,7 +90,7 @@ contains
 
       call group%get("axis", word)
       axis = max(index("xyz", word(:1)), 1)
-      if (.not. grid%active(axis)) call deck%complain(group, &
+      if (.not. grid%active(axis)) call deck%add_error(group, &
          "axis = '"//word//"' is a direction that the scene does not have; use another one", "axis")
    end subroutine read_axis
 
@@ -107,7 +107,7 @@ contains
       if (at <= unset) return
       rule%lower = at - 0.5_wp*grid%spacing
       rule%upper = at + 0.5_wp*grid%spacing
-      if (at < grid%lower(rule%axis) .or. at > grid%upper(rule%axis)) call deck%complain(group, &
+      if (at < grid%lower(rule%axis) .or. at > grid%upper(rule%axis)) call deck%add_error(group, &
          "the plane lies outside of the grid, from "//deck%shown(grid%lower(rule%axis), "m")// &
          " to "//deck%shown(grid%upper(rule%axis), "m"), "at")
    end subroutine read_plane

@@ -153,7 +153,7 @@ contains
       real(wp), intent(in) :: bytes                  !! Expected size of one
 
       if (place == 0 .or. (files*bytes <= most_bytes .and. files <= most_files)) return
-      call deck%complain("output", place, "would write "//size_text(files*bytes)//" in "// &
+      call deck%add_error("output", place, "would write "//size_text(files*bytes)//" in "// &
          brief(files)//" files; write less often, or continue with --force")
    end subroutine limit_files
 

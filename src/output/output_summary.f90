@@ -262,9 +262,9 @@ contains
 
       text = ""
       associate (load => simulation%machine%load)
-         if (load%looks > 0) then
+         if (load%measured > 0) then
             write (line, "(a,f6.3,a,f6.3,a,f6.3,a,i0,a)") "load      busiest rank over mean", &
-               load%total/real(load%looks, wp), " on average,", load%last, " at the end,", &
+               load%total/real(load%measured, wp), " on average,", load%last, " at the end,", &
                load%greatest, " at most after step 100; rebalanced ", load%cuts, " times"
             text = trim(line)//new_line("a")
          end if
@@ -286,11 +286,11 @@ contains
 
       associate (load => simulation%machine%load)
          call json%begin("work_of_ranks")
-         call json%add("looks", load%looks)
-         call json%add("shared_out_anew", load%cuts)
+         call json%add("measurements", load%measured)
+         call json%add("rebalanced", load%cuts)
          call json%add("busiest_over_mean_last", load%last)
-         if (load%looks > 0) call json%add("busiest_over_mean", &
-            load%total/real(load%looks, wp))
+         if (load%measured > 0) call json%add("busiest_over_mean", &
+            load%total/real(load%measured, wp))
          call json%add("busiest_over_mean_worst", load%greatest)
          call json%end()
       end associate

@@ -120,7 +120,7 @@ contains
 
       rows = self%schedule%expected(time_end, steps)*self%rows_of_time()
       if (self%place == 0 .or. rows <= most_rows) return
-      call deck%complain("output", self%place, "would write "//brief(rows)// &
+      call deck%add_error("output", self%place, "would write "//brief(rows)// &
          " rows; write less often, or continue with --force")
    end subroutine table_limit
 

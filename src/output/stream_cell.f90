@@ -57,7 +57,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(named_shape_t), intent(in) :: shapes(:)   !! Unused
 
-      if (.not. allocated(simulation%space%cell)) call deck%complain(group, &
+      if (.not. allocated(simulation%space%cell)) call deck%add_error(group, &
          "kind = 'cell' needs &cell and &stage; add them or remove this &output", "kind")
    end subroutine cell_read
 

@@ -90,7 +90,7 @@ contains
             if (known(k)%text == wanted(n)%text) exit
          end do
          if (k > size(known)) then
-            call deck%complain(group, "'"//wanted(n)%text//"' is not a wall"// &
+            call deck%add_error(group, "'"//wanted(n)%text//"' is not a wall"// &
                listed(wanted(n)%text, &
                known), "walls")
             cycle
@@ -98,7 +98,7 @@ contains
          call append(self%name, wanted(n)%text(:min(len(wanted(n)%text), label_length)))
          self%wall = [self%wall, place(k)]
       end do
-      if (size(known) == 0) call deck%complain(group, "there is no wall whose force could be "// &
+      if (size(known) == 0) call deck%add_error(group, "there is no wall whose force could be "// &
          "shown; add a &boundary or remove this output", "kind")
       allocate (self%last(wall_entries, size(self%wall)), source=0.0_wp)
       call simulation%balance%ledger%walls%start(number_of_walls(simulation%space))

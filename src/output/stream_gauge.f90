@@ -129,14 +129,14 @@ contains
          if (group%given("radius")) call group%get("radius", gauge%radius)
          if (group%given("depth")) call group%get("depth", gauge%depth)
          if (.not. group%given("point")) then
-            call deck%complain(group, "a gauge needs a point = x, y, z; or use gauge = "// &
+            call deck%add_error(group, "a gauge needs a point = x, y, z; or use gauge = "// &
                "'mean' for means over bodies and region", "point")
             return
          end if
          if (.not. group%valid(["point"])) return
          call group%get("point", gauge%point)
          if (any(grid%active .and. (gauge%point < grid%lower .or. gauge%point > grid%upper))) &
-            call deck%complain(group, "the point lies outside of the grid, whose corners are "// &
+            call deck%add_error(group, "the point lies outside of the grid, whose corners are "// &
             corner(deck, grid%lower)//" and "//corner(deck, grid%upper), "point")
       end associate
    end subroutine read_place
@@ -161,7 +161,7 @@ contains
       integer :: n
 
       if (.not. group%given("side")) then
-         call deck%complain(group, "a gauge of a surface needs the side from which the beam "// &
+         call deck%add_error(group, "a gauge of a surface needs the side from which the beam "// &
             "comes, such as side = '+x'", "side")
          return
       end if
@@ -172,7 +172,7 @@ contains
       if (n > size(sides)) return
       gauge%axis = (n + 1)/2
       gauge%side = merge(1.0_wp, -1.0_wp, mod(n, 2) == 0)
-      if (.not. simulation%space%grid%active(gauge%axis)) call deck%complain(group, &
+      if (.not. simulation%space%grid%active(gauge%axis)) call deck%add_error(group, &
          "side = '"//word//"' is along a direction that the scene does not have; use another one", &
          "side")
    end subroutine read_side

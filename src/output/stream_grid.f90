@@ -121,8 +121,8 @@ contains
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
 
-      if (self%cells > most_cells) call deck%complain("output", self%place, "would write up to "// &
-         brief(self%cells)//" cells per output time; give a region, or continue with --force")
+      if (self%cells > most_cells) call deck%add_error("output", self%place, "would write up to "&
+         //brief(self%cells)//" cells per output time; give a region, or continue with --force")
       call limit_files(deck, self%place, self%schedule%expected(time_end, steps), &
          self%bytes_of_file(particles))
    end subroutine grid_limit

@@ -89,9 +89,9 @@ contains
       index = 1
       if (group%given("material")) index = deck%named("material", name)
       if (deck%count("material") == 0) then
-         call deck%complain(group, "there is no &material")
+         call deck%add_error(group, "there is no &material")
       else if (index == 0) then
-         call deck%complain(group, "no material '"//name//"'", "material")
+         call deck%add_error(group, "no material '"//name//"'", "material")
       else
          call read_material(deck, communicator, index, material)
       end if

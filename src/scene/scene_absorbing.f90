@@ -69,7 +69,7 @@ contains
 
    !> Report a material without a wave speed, at the &boundary.
    subroutine refuse(deck, face, material)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects the complaint
+      type(deck_t), intent(inout) :: deck            !! The deck, collects the problem
       integer, intent(in) :: face                    !! 1 to 6
       character(len=*), intent(in) :: material       !! Name of the material
       type(group_t) :: group
@@ -81,7 +81,7 @@ contains
          call group%get("face", name)
          call group%get("type", kind)
          if (kind /= "absorbing" .or. (name /= face_names(face) .and. name /= "all")) cycle
-         call deck%complain(group, "material '"//material//"' has no wave speed at rest, "// &
+         call deck%add_error(group, "material '"//material//"' has no wave speed at rest, "// &
             "which an absorbing boundary needs; use type = 'outflow'", "type")
          return
       end do

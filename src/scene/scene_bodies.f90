@@ -77,7 +77,7 @@ contains
       type(deck_t), intent(inout) :: deck                !! Collects errors
       integer :: i
 
-      if (deck%count("body") == 0) call deck%complain("body", 1, &
+      if (deck%count("body") == 0) call deck%add_error("body", 1, &
          "there is no body, so nothing to compute")
       do i = 1, deck%count("body")
          call check_plane(deck, deck%group("body", i), "velocity")
@@ -97,15 +97,15 @@ contains
 
       if (.not. body%valid([character(len=9) :: "velocity", "speed", "direction"])) return
       if (body%given("speed") .neqv. body%given("direction")) then
-         call deck%complain(body, "speed and direction belong together; give both, or velocity", &
+         call deck%add_error(body, "speed and direction belong together; give both, or velocity", &
             merge("speed    ", "direction", body%given("speed")))
       else if (body%given("speed")) then
          ! an echo of the deck contains the default, a velocity of zero
          call body%get("velocity", velocity)
          call body%get("direction", direction)
-         if (any(abs(velocity) > 0.0_wp)) call deck%complain(body, &
+         if (any(abs(velocity) > 0.0_wp)) call deck%add_error(body, &
             "speed and velocity are both given; keep one", "speed")
-         if (.not. any(abs(direction) > 0.0_wp)) call deck%complain(body, &
+         if (.not. any(abs(direction) > 0.0_wp)) call deck%add_error(body, &
             "direction must not be 0 in all components", "direction")
       end if
    end subroutine check_speed
@@ -123,7 +123,7 @@ contains
       if (dimension == "3d" .or. .not. (body%given("spin") .and. body%known("spin"))) return
       call body%get("spin", spin)
       if (dimension == "plane_strain") spin(2) = 0.0_wp
-      if (any(abs(spin) > 0.0_wp)) call deck%complain(body, &
+      if (any(abs(spin) > 0.0_wp)) call deck%add_error(body, &
          "spin leaves the plane of dimension = '"// &
          dimension//"'; bodies rotate only in plane_strain, about y", "spin")
    end subroutine check_spin
@@ -216,9 +216,9 @@ contains
       call group%get("initial_stress", stress)
       body%keeps_stress = stress == "file"
       if (allocated(shape%points) .neqv. packing == "file") then
-         if (packing == "file") call deck%complain(group, "packing = 'file' needs a region of "// &
+         if (packing == "file") call deck%add_error(group, "packing = 'file' needs a region of "// &
             "shape = 'points'", "packing")
-         if (packing /= "file") call deck%complain(group, "its region is a list of points; "// &
+         if (packing /= "file") call deck%add_error(group, "its region is a list of points; "// &
             "write packing = 'file'", "packing")
       else if (allocated(shape%points)) then
          call pack_points(deck, simulation%space%grid, simulation%space%boundary, group, &
@@ -227,7 +227,7 @@ contains
          call compare_fields(deck, group, simulation%materials(body%store), traits, shape%points, &
             body%keeps_stress)
       else if (body%keeps_stress) then
-         call deck%complain(group, "initial_stress = 'file' needs packing = 'file' and a "// &
+         call deck%add_error(group, "initial_stress = 'file' needs packing = 'file' and a "// &
             "snapshot of another run", "initial_stress")
       end if
    end subroutine read_points
@@ -240,7 +240,7 @@ contains
       type(body_t), intent(inout) :: body            !! Gets the energy
 
       call group%get("specific_energy", body%energy)
-      if (body%energy > 0.0_wp .and. .not. material%carries_energy()) call deck%complain(group, &
+      if (body%energy > 0.0_wp .and. .not. material%carries_energy()) call deck%add_error(group, &
          "material '"//material%name//"' has no internal energy; remove specific_energy, or "// &
          "choose an eos_model that depends on the energy", "specific_energy")
    end subroutine read_energy

@@ -45,15 +45,15 @@ contains
          points = product(merge(reach*real(bodies(n)%per_cell, wp), 1.0_wp, grid%active))
          tiles = product(merge(reach/real(grid%width, wp) + 1.0_wp, 1.0_wp, grid%active))
          if (identities > most_identities) then
-            call deck%complain("body", n, "the grid has "//brief(identities)// &
+            call deck%add_error("body", n, "the grid has "//brief(identities)// &
                " lattice points, more than there are identities; use larger cells or "// &
                "fewer ppc", "ppc")
             return
          else if (tiles > most_tiles) then
-            call deck%complain("body", n, "its region reaches "//brief(tiles)// &
+            call deck%add_error("body", n, "its region reaches "//brief(tiles)// &
                " tiles, more than "//brief(most_tiles)//"; use larger cells", "region")
          else if (points > most_points .and. .not. force) then
-            call deck%complain("body", n, "would hold up to "//brief(points)// &
+            call deck%add_error("body", n, "would hold up to "//brief(points)// &
                " points, more than "//brief(most_points)//"; use larger cells or fewer ppc, "// &
                "or continue with --force", "ppc")
          end if
@@ -140,10 +140,10 @@ contains
 
       call body%shape%bounds(low, high)
       if (any(grid%active .and. (high <= grid%lower .or. low >= grid%upper))) then
-         call deck%complain("body", place, "lies outside of the grid; "// &
+         call deck%add_error("body", place, "lies outside of the grid; "// &
             "move its region or widen &grid", "region")
       else
-         call deck%complain("body", place, "holds no particle: its region "// &
+         call deck%add_error("body", place, "holds no particle: its region "// &
             "is thinner than the lattice of dx/ppc, empty, or covered by later bodies", "region")
       end if
    end subroutine refuse_empty

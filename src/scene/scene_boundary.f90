@@ -92,14 +92,14 @@ contains
          joins = .false.
          if (allocated(condition)) joins = condition%joins_opposite()
          if (face == "all" .and. .not. boundary%given("region")) then
-            if (every > 0) call deck%complain(boundary, "face = 'all' is given twice", "face")
+            if (every > 0) call deck%add_error(boundary, "face = 'all' is given twice", "face")
             every = i
             if (joins) where (owner == 0) periodic = .true.
          end if
          do k = 1, 6
             if (face_names(k) /= face) cycle
             if (.not. boundary%given("region")) then
-               if (owner(k) > 0) call deck%complain(boundary, "face = '"//face// &
+               if (owner(k) > 0) call deck%add_error(boundary, "face = '"//face// &
                   "' is given twice", "face")
                owner(k) = i
                periodic(k) = joins
@@ -122,7 +122,7 @@ contains
       class(boundary_condition_t), allocatable, intent(in) :: condition !! Its type, if it is known
       real(wp) :: begin, end
 
-      if (.not. (boundary%given("face") .or. boundary%given("region"))) call deck%complain( &
+      if (.not. (boundary%given("face") .or. boundary%given("region"))) call deck%add_error( &
          boundary, "face or region must be given (a face of the grid, or a rigid region)")
       if (allocated(condition)) call check_type(deck, boundary, condition)
       if (boundary%given("temperature") .and. boundary%given("region")) call &
@@ -130,7 +130,7 @@ contains
       if (boundary%known("t_off") .and. boundary%known("t_on")) then
          call boundary%get("t_on", begin)
          call boundary%get("t_off", end)
-         if (.not. end > begin) call deck%complain(boundary, "t_off must be after t_on", "t_off")
+         if (.not. end > begin) call deck%add_error(boundary, "t_off must be after t_on", "t_off")
       end if
    end subroutine check_wall
 
@@ -147,15 +147,15 @@ contains
       suits = condition%suits_region()
       if (part) suits = condition%suits_part()
       fitting = fitting_types(part)
-      if (boundary%given("region") .and. .not. suits) call deck%complain(boundary, &
+      if (boundary%given("region") .and. .not. suits) call deck%add_error(boundary, &
          "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting, "type")
       if (part .and. .not. condition%moves()) then
          ! an echo of the deck contains the default, a velocity of zero
          velocity = 0.0_wp
          if (boundary%given("velocity")) call boundary%get("velocity", velocity)
-         if (any(abs(velocity) > 0.0_wp)) call deck%complain(boundary, "a face moves only with "// &
-            "type = 'velocity'; remove velocity, or use a region", "velocity")
-         if (boundary%given("table")) call deck%complain(boundary, "a face moves only with "// &
+         if (any(abs(velocity) > 0.0_wp)) call deck%add_error(boundary, "a face moves only with "&
+            //"type = 'velocity'; remove velocity, or use a region", "velocity")
+         if (boundary%given("table")) call deck%add_error(boundary, "a face moves only with "// &
             "type = 'velocity'; remove table, or use a region", "table")
       end if
       if (boundary%given("temperature") .and. condition%joins_opposite() .and. &
@@ -167,7 +167,7 @@ contains
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
 
-      call deck%complain(boundary, "temperature is allowed only for a whole face that is not "// &
+      call deck%add_error(boundary, "temperature is allowed only for a whole face that is not "// &
          "periodic; remove it", "temperature")
    end subroutine refuse_temperature
 
@@ -215,15 +215,15 @@ contains
             boundary%given("t_off"))) return
       end if
       if (direction == 2 .and. dimension /= "3d" .or. direction == 3 .and. dimension == "1d") then
-         call deck%complain(boundary, "dimension = '"//dimension//"' has no face "// &
+         call deck%add_error(boundary, "dimension = '"//dimension//"' has no face "// &
             face_names(face), "face")
          return
       end if
       if (direction /= 1 .or. dimension /= "axisymmetric" .or. .not. allocated(condition)) return
       if (condition%joins_opposite()) then
-         call deck%complain(boundary, "the radius cannot be periodic", "type")
+         call deck%add_error(boundary, "the radius cannot be periodic", "type")
       else if (face == 1 .and. .not. condition%mirrors()) then
-         call deck%complain(boundary, "the axis of an axisymmetric scene must be type = "// &
+         call deck%add_error(boundary, "the axis of an axisymmetric scene must be type = "// &
             "'symmetry'", &
             "type")
       end if
@@ -240,7 +240,7 @@ contains
       do k = 1, 6
          partner = k - 1 + 2*mod(k, 2)
          if (face_names(k) /= face .or. .not. periodic(k) .or. periodic(partner)) cycle
-         call deck%complain(boundary, "periodic needs both faces; make "//face_names(partner)// &
+         call deck%add_error(boundary, "periodic needs both faces; make "//face_names(partner)// &
             " periodic too", "type")
       end do
    end subroutine check_pair
@@ -364,7 +364,7 @@ contains
       wall%name = region
       do index = 1, size(shapes)
          if (shapes(index)%name /= region .or. .not. allocated(shapes(index)%shape%shape)) cycle
-         if (allocated(shapes(index)%points)) call deck%complain(group, "'"//region// &
+         if (allocated(shapes(index)%points)) call deck%add_error(group, "'"//region// &
             "' is a list of points, which has no interior; name another region", "region")
          allocate (wall%region, source=shapes(index)%shape%shape)
       end do

@@ -42,7 +42,7 @@ contains
       group = deck%group("method")
       call group%get("paper", paper)
       if (paper) then
-         call deck%complain(group, "&cell cannot be combined with paper = .true.; remove "// &
+         call deck%add_error(group, "&cell cannot be combined with paper = .true.; remove "// &
             "it", "paper")
          return
       end if
@@ -77,7 +77,7 @@ contains
       do n = 2, size(words)
          list = list//" or '"//trim(words(n))//"'"
       end do
-      call deck%complain(group, "&cell needs "//key//" = "//list//", not '"//word//"'", key)
+      call deck%add_error(group, "&cell needs "//key//" = "//list//", not '"//word//"'", key)
    end subroutine need
 
    !> Read the cell and its stages. Grid, boundaries, method and effects are already read.
@@ -131,7 +131,7 @@ contains
       grains = deck%group("grains")
       if (grains%given("diameter")) return
       tilts = deck%departs(cell, "tilt")
-      if (cell%given("pressure") .or. tilts) call deck%complain(cell, "there is no &stage: "// &
+      if (cell%given("pressure") .or. tilts) call deck%add_error(cell, "there is no &stage: "// &
          "give at least one, such as rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
    end subroutine check_stages
 
@@ -161,27 +161,27 @@ contains
 
       cell = deck%group("cell")
       associate (grid => simulation%space%grid)
-         if (grid%axisymmetric) call deck%complain(cell, &
+         if (grid%axisymmetric) call deck%add_error(cell, &
             "&cell needs dimension = '1d', 'plane_strain' or '3d' in &run; rings have no "// &
             "periodic cell")
          do k = 1, 3
             if (.not. grid%active(k) .or. grid%periodic(k)) cycle
-            call deck%complain(cell, "&cell needs periodic faces in all directions, and "// &
+            call deck%add_error(cell, "&cell needs periodic faces in all directions, and "// &
                axis_names(k)//" has none; write &boundary face = 'all' type = 'periodic'")
             exit
          end do
       end associate
       associate (method => simulation%scheme%method)
-         if (allocated(method%splitting)) call deck%complain(deck%group("method"), &
+         if (allocated(method%splitting)) call deck%add_error(deck%group("method"), &
             "&cell cannot be combined with split = .true.; remove it", "split")
-         if (method%heat_flux > 0.0_wp) call deck%complain(deck%group("method"), &
+         if (method%heat_flux > 0.0_wp) call deck%add_error(deck%group("method"), &
             "&cell cannot be combined with heat_flux; remove it", "heat_flux")
       end associate
       do k = 1, size(simulation%materials)
-         if (simulation%materials(k)%repacks) call deck%complain(deck%group("material", k), &
+         if (simulation%materials(k)%repacks) call deck%add_error(deck%group("material", k), &
             "&cell cannot be combined with volume_from = 'grid'; remove it", "volume_from")
       end do
-      if (allocated(simulation%effects%gravity)) call deck%complain(deck%group("effects"), &
+      if (allocated(simulation%effects%gravity)) call deck%add_error(deck%group("effects"), &
          "&cell cannot be combined with gravity: a periodic cell has no bottom; remove "// &
          "it", "gravity")
    end subroutine check_space
@@ -213,7 +213,7 @@ contains
       logical :: departs
 
       departs = deck%departs(group, key)
-      if (departs) call deck%complain(group, key//" is for grains, with &grains and "// &
+      if (departs) call deck%add_error(group, key//" is for grains, with &grains and "// &
          "scree --grains; remove it", key)
    end subroutine refuse_key
 
@@ -233,22 +233,22 @@ contains
       if (.not. stage%valid(["rate ", "servo"])) return
       call stage%get("rate", rate)
       call stage%get("servo", servo)
-      if (.not. (stage%given("strain") .or. stage%given("duration"))) call deck%complain(stage, &
+      if (.not. (stage%given("strain") .or. stage%given("duration"))) call deck%add_error(stage, &
          "the stage has no end: give strain or duration")
-      if (stage%given("strain") .and. .not. any(abs(rate) > 0.0_wp)) call deck%complain(stage, &
+      if (stage%given("strain") .and. .not. any(abs(rate) > 0.0_wp)) call deck%add_error(stage, &
          "strain needs a rate; without it give duration", "strain")
       if (servo /= "none" .and. .not. (stage%given("pressure") .or. cell%given("pressure"))) &
-         call deck%complain(stage, "servo needs a pressure, here or in &cell", "servo")
+         call deck%add_error(stage, "servo needs a pressure, here or in &cell", "servo")
       do k = 1, 6
          if ((active(row(k)) .and. active(column(k))) .or. .not. abs(rate(k)) > 0.0_wp) cycle
-         call deck%complain(stage, "rate has a component along a direction that the scene "// &
+         call deck%add_error(stage, "rate has a component along a direction that the scene "// &
             "does not have; in a plane use the first, third and fifth", "rate")
          exit
       end do
       if (servo == "none" .or. servo == "isotropic") return
       do k = 1, 3
          if (active(k) .or. index(servo, axis_names(k)) == 0) cycle
-         call deck%complain(stage, "servo = '"//servo//"' holds a stress along "// &
+         call deck%add_error(stage, "servo = '"//servo//"' holds a stress along "// &
             axis_names(k)//", a direction that the scene does not have", "servo")
          exit
       end do
@@ -272,7 +272,7 @@ contains
          if (.not. allocated(simulation%materials(k)%heat)) cycle
          if (simulation%materials(k)%heat%conductivity > 0.0_wp) what = "conductivity"
       end do
-      if (what /= "") call deck%complain(deck%group("cell"), "&cell cannot be combined "// &
+      if (what /= "") call deck%add_error(deck%group("cell"), "&cell cannot be combined "// &
          "with "//what//"; remove one of the two")
    end subroutine refuse_effects
 

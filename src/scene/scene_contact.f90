@@ -61,7 +61,7 @@ contains
       call find_parting(deck, bodies, contact%field_of_body, parting)
       associate (fields => maxval(contact%field_of_body) + count(parting))
          if (fields > most_fields) then
-            call deck%complain(group, "contact = .true. allows at most "//number(most_fields)// &
+            call deck%add_error(group, "contact = .true. allows at most "//number(most_fields)// &
                " velocity fields, and the bodies have "//number(fields)// &
                ", two for a body with self-contact; give bodies that need no contact with "// &
                "each other the same field in &body", &
@@ -168,7 +168,7 @@ contains
          place = place_of(names(1)%text, bodies)
          if (names(1)%text /= names(2)%text .or. place == 0) cycle
          field = contact%field_of_body(place)
-         if (.not. any([(fails(body), body=1, size(bodies))])) call deck%complain(group, &
+         if (.not. any([(fails(body), body=1, size(bodies))])) call deck%add_error(group, &
             "no material can fail in body '"//bodies(place)%name//"', so it has no contact "// &
             "with itself; give its material a damage_model or spall, with &effects damage = "// &
             ".true.", &
@@ -215,7 +215,7 @@ contains
       if (simulation%scheme%repacks) what = "volume_from = 'grid'; remove it"
       if (deck%count("load") > 0) what = "&load; remove it"
       if (bonded) what = "law = 'bonded' for that body; use another law"
-      if (what /= "") call deck%complain(group, &
+      if (what /= "") call deck%add_error(group, &
          "contact of a body with itself cannot be combined with "//what, "bodies")
    end subroutine refuse_method
 
@@ -230,14 +230,14 @@ contains
 
       exact = deck%group("exact")
       call exact%get("solution", solution)
-      if (solution /= "none") call deck%complain(group, &
+      if (solution /= "none") call deck%add_error(group, &
          "contact = .true. cannot be combined with &exact, whose solutions are for one body; "// &
          "remove one of the two", &
          "contact")
       do n = 1, size(simulation%materials)
          if (.not. allocated(simulation%materials(n)%heat)) cycle
          if (.not. simulation%materials(n)%heat%conductivity > 0.0_wp) cycle
-         call deck%complain(group, "contact = .true. cannot be combined with the "// &
+         call deck%add_error(group, "contact = .true. cannot be combined with the "// &
             "conductivity of material '"//simulation%materials(n)%name//"', because heat "// &
             "would cross gaps; remove one of the two", "contact")
          return
@@ -317,7 +317,7 @@ contains
             earlier = deck%group("contact", owner(a, b))
             call names_of(earlier, before)
             if (wild_cards(before) == wild) then
-               call deck%complain(group, "bodies of velocity fields "//number(min(a, b))// &
+               call deck%add_error(group, "bodies of velocity fields "//number(min(a, b))// &
                   " and "//number(max(a, b))//" already have a law, in line "// &
                   number(earlier%line("bodies"))//"; remove one of the two", "bodies")
                return
@@ -385,7 +385,7 @@ contains
 
       if (one == other) return
       if (field_of_body(one) == field_of_body(other)) then
-         call deck%complain(group, "the two bodies share a velocity field, so they move as "// &
+         call deck%add_error(group, "the two bodies share a velocity field, so they move as "// &
             "one; give them different values of field in &body", "bodies")
       end if
    end subroutine check_pair

@@ -27,7 +27,7 @@ contains
       integer :: i
 
       do i = 1, deck%count("include")
-         call deck%complain("include", i, "the file was not read; end the group with a /", "file")
+         call deck%add_error("include", i, "the file was not read; end the group with a /", "file")
       end do
       call check_case(deck)
       call set_output_units(deck)

@@ -133,7 +133,7 @@ contains
       detonator%point = merge(detonator%point, 0.0_wp, grid%active)
       detonator%other = merge(detonator%other, 0.0_wp, grid%active)
       if (detonator%shape == detonator_plane .and. group%known("normal") .and. .not. &
-         any(abs(detonator%other) > 0.0_wp)) call deck%complain(group, &
+         any(abs(detonator%other) > 0.0_wp)) call deck%add_error(group, &
          "a plane needs a normal along the directions of the scene", "normal")
    end subroutine read_detonator
 
@@ -167,7 +167,7 @@ contains
          end do
       end do
       if (.not. lights) then
-         call deck%complain(group, "ignites no explosive; write eos_model = 'jwl' in the "// &
+         call deck%add_error(group, "ignites no explosive; write eos_model = 'jwl' in the "// &
             "&material that burns, or remove the group", "material")
       else if (.not. touches) then
          call deck%warn(group, "lies outside every explosive, more than a cell from the box "// &

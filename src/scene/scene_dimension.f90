@@ -40,7 +40,7 @@ contains
       call group%get(key, vector)
       do k = 1, 3
          if (active(k) .or. abs(vector(k)) <= 0.0_wp) cycle
-         call deck%complain(group, key//" must be 0 in "//axis_names(k)//", as dimension = '"// &
+         call deck%add_error(group, key//" must be 0 in "//axis_names(k)//", as dimension = '"// &
             dimension//"'", key)
       end do
    end subroutine check_plane

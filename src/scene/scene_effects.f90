@@ -90,7 +90,7 @@ contains
       do k = 1, 3
          if (simulation%space%grid%active(k)) cycle
          if (.not. any(abs(simulation%effects%shaking%speed(k, :)) > 0.0_wp)) cycle
-         call deck%complain(group, "gravity_table: the table must be 0 in "//axis_names(k)// &
+         call deck%add_error(group, "gravity_table: the table must be 0 in "//axis_names(k)// &
             ", as the scene does not have this direction", "gravity_table")
       end do
       call update_gravity(simulation)

@@ -56,11 +56,11 @@ contains
       call group%get("solution", name)
       if (name == "none") return
       if (simulation%space%grid%axisymmetric) then
-         call deck%complain(group, "no exact solution is axisymmetric; write dimension = '1d', "// &
-            "'plane_strain' or '3d' in &run", "solution")
+         call deck%add_error(group, "no exact solution is axisymmetric; write dimension = '1d', "&
+            //"'plane_strain' or '3d' in &run", "solution")
          return
       end if
-      if (allocated(simulation%scheme%method%splitting)) call deck%complain(group, &
+      if (allocated(simulation%scheme%method%splitting)) call deck%add_error(group, &
          "particles that are split have no reference position; write split = .false. in &method", &
          "solution")
       call find_followers(deck, group, bodies, follows)
@@ -91,16 +91,16 @@ contains
       end do
       do n = 1, size(bodies)
          if (.not. follows(n)) then
-            if (any(follows .and. bodies%store == bodies(n)%store)) call deck%complain("body", n, &
+            if (any(follows .and. bodies%store == bodies(n)%store)) call deck%add_error("body", n, &
                "has the same material as a body in &exact; add it to bodies of &exact, or "// &
                "give it a separate &material", "material")
             cycle
          end if
          body = deck%group("body", n)
          if (body%given("velocity") .and. any(abs(bodies(n)%velocity) > 0.0_wp)) &
-            call deck%complain(body, "&exact gives the velocity; remove it here", "velocity")
+            call deck%add_error(body, "&exact gives the velocity; remove it here", "velocity")
          if (body%given("spin") .and. any(abs(bodies(n)%spin) > 0.0_wp)) &
-            call deck%complain(body, "&exact gives the rotation; remove spin", "spin")
+            call deck%add_error(body, "&exact gives the rotation; remove spin", "spin")
       end do
    end subroutine find_followers
 
@@ -127,13 +127,13 @@ contains
       call group%get("origin", solution%origin)
       call solution%read(group)
       text = solution%fault()
-      if (len(text) > 0) call deck%complain(group, "solution = '"//name//"' "//text, "solution")
+      if (len(text) > 0) call deck%add_error(group, "solution = '"//name//"' "//text, "solution")
       text = solution%law()
       if (len(text) > 0 .and. law /= text) then
-         call deck%complain(material, "solution = '"//name//"' of &exact holds for "// &
+         call deck%add_error(material, "solution = '"//name//"' of &exact holds for "// &
             "strength_model = '"//text//"' only", "strength_model")
       else if (all(law /= [character(len=11) :: "", "elastic", "neo_hookean"])) then
-         call deck%complain(material, "exact solutions are elastic; write strength_model = "// &
+         call deck%add_error(material, "exact solutions are elastic; write strength_model = "// &
             "'elastic' or 'neo_hookean'", "strength_model")
       end if
       simulation%effects%exact%forced = simulation%effects%exact%forced .or. solution%forced()

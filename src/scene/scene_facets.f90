@@ -41,7 +41,7 @@ contains
          call read_stl(text, path, corner, error)
       end if
       if (allocated(error)) then
-         call deck%complain(group, error%message, "file")
+         call deck%add_error(group, error%message, "file")
          return
       end if
       call unit_of("m", length, known)

@@ -54,24 +54,24 @@ contains
       do k = 1, 3
          if (.not. needed(k) .or. hi(k) > lo(k)) cycle
          if (active(k)) then
-            call deck%complain(grid, "hi must be above lo in "//axis_names(k), "hi")
+            call deck%add_error(grid, "hi must be above lo in "//axis_names(k), "hi")
          else
-            call deck%complain(grid, "hi must be above lo in "//axis_names(k)//" too; in "// &
+            call deck%add_error(grid, "hi must be above lo in "//axis_names(k)//" too; in "// &
                dimension// &
                " the difference is the thickness", "hi")
          end if
          return
       end do
-      if (dimension == "axisymmetric" .and. abs(lo(1)) > 0.0_wp) call deck%complain(grid, &
+      if (dimension == "axisymmetric" .and. abs(lo(1)) > 0.0_wp) call deck%add_error(grid, &
          "axisymmetric needs lo(1) = 0, the axis", "lo")
       call grid%get("block", edge)
-      if (count(active) == 3 .and. edge > most_block) call deck%complain(grid, &
+      if (count(active) == 3 .and. edge > most_block) call deck%add_error(grid, &
          "tiles of more than 16 cells along an edge are too large for the stack of a thread in "// &
          "three dimensions; write block = 0 or at most 16", "block")
       if (grid%given("cells")) then
          call check_cells(deck, grid, lo, hi, active)
       else if (.not. grid%given("dx")) then
-         call deck%complain(grid, "dx or cells must be given")
+         call deck%add_error(grid, "dx or cells must be given")
       else if (grid%known("dx")) then
          call check_spacing(deck, grid, lo, hi, active)
       end if
@@ -92,12 +92,12 @@ contains
          if (.not. active(k)) cycle
          cells = (hi(k) - lo(k))/dx
          if (cells > most_cells) then
-            call deck%complain(grid, "(hi-lo)/dx = "//brief(cells)//" in "//axis_names(k)// &
+            call deck%add_error(grid, "(hi-lo)/dx = "//brief(cells)//" in "//axis_names(k)// &
                " is more than a million cells", "dx")
             return
          end if
          if (abs(cells - anint(cells)) <= tolerance*max(cells, 1.0_wp) .and. cells > 0.5_wp) cycle
-         call deck%complain(grid, "(hi-lo)/dx = "//brief(cells)//" is not an integer in "// &
+         call deck%add_error(grid, "(hi-lo)/dx = "//brief(cells)//" is not an integer in "// &
             axis_names(k)// &
             "; nearest: hi = "//deck%shown(lo(k) + max(anint(cells), 1.0_wp)*dx, "m")// &
             " or dx = "// &
@@ -117,14 +117,14 @@ contains
       integer :: k
 
       if (grid%given("dx")) then
-         call deck%complain(grid, "dx and cells are both given; keep one", "cells")
+         call deck%add_error(grid, "dx and cells are both given; keep one", "cells")
          return
       end if
       if (.not. grid%known("cells")) return
       call grid%get("cells", cells)
       do k = 1, 3
          if (.not. active(k) .or. cells(k) <= nint(most_cells)) cycle
-         call deck%complain(grid, "cells = "//number(cells(k))//" in "//axis_names(k)// &
+         call deck%add_error(grid, "cells = "//number(cells(k))//" in "//axis_names(k)// &
             " is more than a million cells", "cells")
          return
       end do
@@ -132,7 +132,7 @@ contains
       do k = 2, 3
          if (.not. active(k)) cycle
          if (abs(edge(k) - edge(1)) <= tolerance*edge(1)) cycle
-         call deck%complain(grid, "cells must be cubes, but these are "//deck%shown(edge(1), &
+         call deck%add_error(grid, "cells must be cubes, but these are "//deck%shown(edge(1), &
             "m")// &
             " in x and "//deck%shown(edge(k), "m")//" in "//axis_names(k), "cells")
          return
@@ -216,7 +216,7 @@ contains
       do direction = 1, 3
          if (.not. (grid%active(direction) .and. grid%periodic(direction))) cycle
          if (grid%cells(direction) >= least) cycle
-         call deck%complain(group, "basis = '"//basis//"' needs at least 4 cells along "// &
+         call deck%add_error(group, "basis = '"//basis//"' needs at least 4 cells along "// &
             axis_names(direction)//", which is periodic, but there are "// &
             achar(iachar("0") + grid%cells(direction))//"; use smaller cells or basis = "// &
             "'linear'", "basis")

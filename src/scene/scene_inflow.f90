@@ -61,7 +61,7 @@ contains
       integer :: n
 
       if (deck%count("inflow") == 0) return
-      if (allocated(simulation%space%cell)) call deck%complain(deck%group("inflow", 1), &
+      if (allocated(simulation%space%cell)) call deck%add_error(deck%group("inflow", 1), &
          "&inflow cannot be combined with a deforming &cell; remove one of the two")
       allocate (inflows(deck%count("inflow")), taken(size(bodies)))
       taken = .false.
@@ -91,7 +91,7 @@ contains
       inflow%body = deck%named("body", inflow%name)
       if (inflow%body == 0) return
       inflow%store = bodies(inflow%body)%store
-      if (taken(inflow%body)) call deck%complain(group, "'"//inflow%name//"' has another "// &
+      if (taken(inflow%body)) call deck%add_error(group, "'"//inflow%name//"' has another "// &
          "&inflow; give each its own body", "body")
       taken(inflow%body) = .true.
       call refuse_body(deck, group, simulation, bodies(inflow%body))
@@ -100,7 +100,7 @@ contains
       if (group%given("t_off")) call group%get("t_off", inflow%motion%end)
       if (group%given("mass_rate")) call group%get("mass_rate", inflow%mass_rate)
       if (group%given("table")) then
-         if (group%given("mass_rate")) call deck%complain(group, "the speed follows from "// &
+         if (group%given("mass_rate")) call deck%add_error(group, "the speed follows from "// &
             "mass_rate; remove table or mass_rate", "table")
          call read_motion_table(deck, simulation%machine%communicator, group, "table", &
             of_velocities, "m/s", inflow%motion)
@@ -124,7 +124,7 @@ contains
       if (body%lateral >= 0.0_wp) what = "an initial stress by weight"
       if (allocated(simulation%materials(body%store)%burn)) what = "an explosive"
       if (norm2(body%velocity) > 0.0_wp) what = "velocity, which is that of its &inflow"
-      if (what /= "") call deck%complain(group, "the body of an inflow cannot be combined "// &
+      if (what /= "") call deck%add_error(group, "the body of an inflow cannot be combined "// &
          "with "//what// &
          "; remove it from '"//body%name//"'", "body")
    end subroutine refuse_body
@@ -151,15 +151,15 @@ contains
       do n = 1, 3
          if (n == inflow%axis) cycle
          if (any(abs(speed(n, :)) > 0.0_wp)) then
-            call deck%complain(group, "the flow must be along x, y or z, such as velocity = "// &
+            call deck%add_error(group, "the flow must be along x, y or z, such as velocity = "// &
                "0, 0, -10; rotate the scene accordingly", "velocity")
             return
          end if
       end do
       if (any(inflow%sense*speed(inflow%axis, :) < 0.0_wp) .or. &
-         .not. any(abs(speed) > 0.0_wp)) call deck%complain(group, "the flow must have a "// &
+         .not. any(abs(speed) > 0.0_wp)) call deck%add_error(group, "the flow must have a "// &
          "speed and must not reverse at any time", "velocity")
-      if (grid%axisymmetric .and. inflow%axis == 1) call deck%complain(group, &
+      if (grid%axisymmetric .and. inflow%axis == 1) call deck%add_error(group, &
          "in axisymmetric scenes an inflow is along z; across the radius its width would change", &
          "velocity")
    end subroutine find_axis
@@ -245,7 +245,7 @@ contains
       call time%get("t_end", finish)
       if ((inflow%travel(finish)/inflow%length + 2.0_wp)*real(inflow%identities, wp) < &
          2.0_wp**root_bits) return
-      call deck%complain(group, "more particles would enter until t_end than split = .true. "// &
+      call deck%add_error(group, "more particles would enter until t_end than split = .true. "// &
          "can number; write split = .false. in &method, a longer body, or a grid of fewer cells", &
          "velocity")
    end subroutine check_identities
@@ -327,11 +327,11 @@ contains
          inflow%plane = grid%lower(inflow%axis) + edge*real(merge(first, last + 1, &
             inflow%sense > 0.0_wp), wp)
          if (maxval(masses) - minval(masses) > alike*maxval(masses)) then
-            call deck%complain(group, "the cross-section of '"//inflow%name//"' changes along "// &
+            call deck%add_error(group, "the cross-section of '"//inflow%name//"' changes along "// &
                "the flow; use a box, prism or cylinder along it whose ends lie where particles "// &
                "end, "//brief(edge)//" m apart from the corner of the grid", "body")
          else if (inflow%length < (shortest - alike)*grid%spacing) then
-            call deck%complain(group, "'"//inflow%name//"' is "//brief(inflow%length)// &
+            call deck%add_error(group, "'"//inflow%name//"' is "//brief(inflow%length)// &
                " m long; give it three cells ("//brief(shortest*grid%spacing)//" m) or more "// &
                "along the flow", "body")
          end if

@@ -75,7 +75,7 @@ contains
       do n = 1, size(shapes)
          if (region == "" .or. shapes(n)%name /= region) cycle
          if (allocated(shapes(n)%points)) then
-            call deck%complain(group, "'"//region//"' is a list of points, which has no "// &
+            call deck%add_error(group, "'"//region//"' is a list of points, which has no "// &
                "interior; name another region", "region")
          else if (allocated(shapes(n)%shape%shape)) then
             allocate (load%region, source=shapes(n)%shape%shape)
@@ -121,8 +121,8 @@ contains
 
       stress = 0.0_wp
       if (.not. (group%given("pressure") .or. group%given("traction"))) then
-         call deck%complain(group, "give a pressure, or a traction and the normal of the surface", &
-            "pressure")
+         call deck%add_error(group, &
+            "give a pressure, or a traction and the normal of the surface", "pressure")
          return
       end if
       if (group%given("pressure")) then
@@ -134,7 +134,7 @@ contains
       normal = 0.0_wp
       if (group%given("normal")) call group%get("normal", normal)
       if (.not. norm2(normal) > 0.0_wp) then
-         call deck%complain(group, "a traction needs the direction of the surface, such as "// &
+         call deck%add_error(group, "a traction needs the direction of the surface, such as "// &
             "normal = 0, 0, 1", "normal")
          return
       end if
@@ -162,12 +162,12 @@ contains
       call group%list("times", course%time)
       call group%list("factors", factors)
       if (size(factors) /= size(course%time)) then
-         call deck%complain(group, "times and factors must have the same length", "factors")
+         call deck%add_error(group, "times and factors must have the same length", "factors")
          return
       end if
       do n = 2, size(factors)
          if (course%time(n) > course%time(n - 1)) cycle
-         call deck%complain(group, "times must ascend", "times")
+         call deck%add_error(group, "times must ascend", "times")
          return
       end do
       allocate (course%speed(3, size(factors)), source=0.0_wp)

@@ -34,7 +34,7 @@ contains
       if (communicator%rank == 0) call read_file(path, text, error)
       call agree(communicator, error)
       if (allocated(error)) then
-         call deck%complain(group, "eos_table: "//error%message, "eos_table")
+         call deck%add_error(group, "eos_table: "//error%message, "eos_table")
          call material%read(deck, place)
          return
       end if

@@ -128,7 +128,7 @@ contains
       call group%get("quadrature", quadrature)
       call method%choose(word == "ddmp", basis, quadrature)
       if (method%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
-         call deck%complain(group, &
+         call deck%add_error(group, &
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
       if (method%dual) call read_dual(method, deck, group)
       if (method%controlled() .or. method%differing()) call refuse_axis(deck, group, quadrature)
@@ -181,7 +181,7 @@ contains
       call group%get("alpha", word)
       method%quadrature%alpha = max(position_of(word, alpha_names), 1)
       call group%get("quadrature", quadrature)
-      if (quadrature == "sub_points" .and. word /= "split") call deck%complain(group, &
+      if (quadrature == "sub_points" .and. word /= "split") call deck%add_error(group, &
          "quadrature = 'sub_points' needs alpha = 'split', whose means are products", "alpha")
       call group%get("blend", word)
       method%quadrature%smooth = word == "smooth"
@@ -204,7 +204,7 @@ contains
 
       run = deck%group("run", 1)
       call run%get("dimension", dimension)
-      if (dimension == "axisymmetric") call deck%complain(group, "quadrature = '"//quadrature// &
+      if (dimension == "axisymmetric") call deck%add_error(group, "quadrature = '"//quadrature// &
          "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point'", &
          "quadrature")
    end subroutine refuse_axis

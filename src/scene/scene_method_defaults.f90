@@ -117,7 +117,7 @@ contains
          return
       end if
       call group%get("turn_from", turn)
-      if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' generates "// &
+      if (turn /= "tiles") call deck%add_error(group, "stress_update = 'usavg' generates "// &
          "energy with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
    end subroutine set_turn_default
 
@@ -153,7 +153,7 @@ contains
       if (update == stress_names(stress_average)) return
       ! a deck written by the program contains its default
       if (.not. abs(share - unseen_usual) > 0.0_wp) return
-      call deck%complain(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
+      call deck%add_error(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
          "'; remove one of the two", "unseen_strain")
    end subroutine check_unseen
 
@@ -170,7 +170,7 @@ contains
       group = deck%group("method", 1)
       call group%get("normalise", word)
       may = may_normalise(deck)
-      if (word /= "none" .and. .not. may) call deck%complain(group, &
+      if (word /= "none" .and. .not. may) call deck%add_error(group, &
          "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
          "no viscosity_limiter = 'smooth' or paper = .true.; write 'none'", "normalise")
    end subroutine check_normalise
@@ -206,7 +206,7 @@ contains
       do n = 1, size(keys)
          if (group%given(trim(keys(n)))) then
             call group%get(trim(keys(n)), word)
-            if (word /= fixed(n)) call deck%complain(group, "paper = .true. needs "// &
+            if (word /= fixed(n)) call deck%add_error(group, "paper = .true. needs "// &
                trim(keys(n))//" = '"//trim(fixed(n))//"'; remove one of the two", trim(keys(n)))
          else
             call deck%set_default("method", 1, trim(keys(n)), trim(fixed(n)))
@@ -219,7 +219,7 @@ contains
                cycle
             end if
             call group%get(trim(key), number)
-            if (abs(number - 1.0_wp) > 0.0_wp) call deck%complain(group, &
+            if (abs(number - 1.0_wp) > 0.0_wp) call deck%add_error(group, &
                "paper = .true. needs "//trim(key)//" = 1; remove one of the two", trim(key))
          end associate
       end do

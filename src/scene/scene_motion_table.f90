@@ -41,7 +41,7 @@ contains
          call read_motion(text, path, meaning, motion%time, motion%speed, error)
       end if
       if (allocated(error)) then
-         call deck%complain(group, key//": "//error%message, key)
+         call deck%add_error(group, key//": "//error%message, key)
          return
       end if
       call unit_of("s", unit, known)

@@ -47,7 +47,7 @@ contains
       group = deck%group("parallel")
       call group%get("io_hints", text)
       call split_hints(text, names, values, right)
-      if (.not. right) call deck%complain(group, "io_hints = '"//text// &
+      if (.not. right) call deck%add_error(group, "io_hints = '"//text// &
          "' must be 'auto', 'none', or pairs such as 'romio_cb_write=enable; cb_nodes=4'", &
          "io_hints")
    end subroutine check_parallel

@@ -71,7 +71,7 @@ contains
          end if
       end if
       if (allocated(error)) then
-         call deck%complain(group, error%message, "file")
+         call deck%add_error(group, error%message, "file")
          return
       end if
       if (.not. points%snapshot) call to_si(deck, points%list)
@@ -120,14 +120,14 @@ contains
       real(wp) :: volume
 
       if (allocated(list%volume)) then
-         if (group%given("point_volume")) call deck%complain(group, "the file has volumes; "// &
+         if (group%given("point_volume")) call deck%add_error(group, "the file has volumes; "// &
             "remove point_volume", "point_volume")
       else if (group%given("point_volume")) then
          call group%get("point_volume", volume)
          allocate (list%volume(size(list%position, 2)))
          list%volume = volume
       else
-         call deck%complain(group, "the file has no volumes; add a column or field volume, "// &
+         call deck%add_error(group, "the file has no volumes; add a column or field volume, "// &
             "or give point_volume", "file")
       end if
    end subroutine find_volumes
@@ -183,7 +183,7 @@ contains
       end do
       meant = meant .and. list%material == found
       if (any(meant)) return
-      call deck%complain(group, "the file of its region has no point of material '"//name// &
+      call deck%add_error(group, "the file of its region has no point of material '"//name// &
          "'; there are: "//join(list%material_names, ", "), "material")
    end subroutine choose_material
 
@@ -203,13 +203,13 @@ contains
       if (allocated(points%list%body)) then
          meant = meant .and. points%list%body == found
       else if (size(points%list%body_names) > 1) then
-         call deck%complain(group, "the snapshot does not contain the field body; write it "// &
+         call deck%add_error(group, "the snapshot does not contain the field body; write it "// &
             "in the other run, or remove from_body", "region")
          return
       else
          meant = meant .and. found == 1
       end if
-      if (.not. any(meant)) call deck%complain(group, "the snapshot has no point of body '"// &
+      if (.not. any(meant)) call deck%add_error(group, "the snapshot has no point of body '"// &
          points%body//"' and of its material; its bodies are: "// &
          join(points%list%body_names, ", "), "region")
    end subroutine choose_body
@@ -258,7 +258,7 @@ contains
          associate (x => points%list%position(:, place(n)))
             if (any(grid%active .and. (x < low .or. x > high .or. (x >= high .and. &
                (grid%periodic .or. open))))) then
-               call deck%complain(group, where_text(points, place(n))//" of '"//points%path// &
+               call deck%add_error(group, where_text(points, place(n))//" of '"//points%path// &
                   "': the point "//place_text(deck, grid, x)//" lies outside of the grid; "// &
                   "widen &grid or move the points with translate", "region")
                return
@@ -273,7 +273,7 @@ contains
       order = sort_order(key)
       do n = 2, size(place)
          if (key(order(n)) /= key(order(n - 1))) cycle
-         call deck%complain(group, where_text(points, place(order(n - 1)))//" and "// &
+         call deck%add_error(group, where_text(points, place(order(n - 1)))//" and "// &
             where_text(points, place(order(n)))//" of '"//points%path// &
             "': two points at "//place_text(deck, grid, points%list%position(:, &
             place(order(n)))), "region")
@@ -369,7 +369,7 @@ contains
          missing = [text_t("stress")]
       end if
       do n = 1, size(missing)
-         if (missing(n)%text == "stress") call deck%complain(group, "'"//points%path// &
+         if (missing(n)%text == "stress") call deck%add_error(group, "'"//points%path// &
             "' has no field stress; write it in the other run, or initial_stress = 'zero'", &
             "initial_stress")
       end do

@@ -132,20 +132,20 @@ contains
          call dimension_of(deck, dimension, active)
          do k = 1, 3
             if (hi(k) > lo(k) .or. .not. active(k)) cycle
-            call deck%complain(region, "hi must be above lo in "//axis_names(k), "hi")
+            call deck%add_error(region, "hi must be above lo in "//axis_names(k), "hi")
             return
          end do
       case ("halfspace")
          call region%get("normal", axis)
          if (region%known("normal") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%complain(region, "normal must not be 0", "normal")
+            call deck%add_error(region, "normal must not be 0", "normal")
       case ("cylinder", "cone", "torus")
          call region%get("axis", axis)
          if (region%known("axis") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%complain(region, "axis must not be 0", "axis")
+            call deck%add_error(region, "axis must not be 0", "axis")
       case ("difference", "intersection")
          operands = region%count("of")
-         if (operands == 1) call deck%complain(region, &
+         if (operands == 1) call deck%add_error(region, &
             "of must name two regions or more for a "//shape, "of")
       case default
          continue
@@ -170,7 +170,7 @@ contains
          if (state(next) == 0) then
             call check_operands(deck, next, state)
          else if (state(next) == 1) then
-            call deck%complain(region, "'"//operands(i)%text//"' contains this region", &
+            call deck%add_error(region, "'"//operands(i)%text//"' contains this region", &
                "of")
          end if
       end do
@@ -211,7 +211,7 @@ contains
       if (shapes(index)%ready) return
       group = deck%group("region", index)
       if (shapes(index)%in_progress) then
-         call deck%complain(group, "the region contains itself; name other regions", key="of")
+         call deck%add_error(group, "the region contains itself; name other regions", key="of")
          return
       end if
       shapes(index)%in_progress = .true.
@@ -239,7 +239,7 @@ contains
       call group%get("rotate_about", about)
       own_centre = about == "centre"
       if (own_centre .and. (word == "halfspace" .or. word == "points")) then
-         call deck%complain(group, "a "//word//" has no centre to rotate about; use "// &
+         call deck%add_error(group, "a "//word//" has no centre to rotate about; use "// &
             "rotate_about = 'origin'", key="rotate_about")
       else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
          call keep_centre(shapes(index)%shape, scale, rotate, translate)
@@ -349,7 +349,7 @@ contains
          do other = 1, size(shapes)
             if (shapes(other)%name /= names(n)%text) cycle
             call build(deck, communicator, grid, shapes, other)
-            if (allocated(shapes(other)%points)) call deck%complain(group, "'"// &
+            if (allocated(shapes(other)%points)) call deck%add_error(group, "'"// &
                names(n)%text//"' is a list of points, which has no interior; name other regions", &
                key="of")
             operands(n) = shapes(other)%shape

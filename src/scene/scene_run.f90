@@ -74,9 +74,9 @@ contains
          return
       end if
       call run%get("case", case_name)
-      if (scan(case_name, "/ *?'""") > 0) call deck%complain(run, "case = '"//case_name// &
+      if (scan(case_name, "/ *?'""") > 0) call deck%add_error(run, "case = '"//case_name// &
          "' is part of file names: no blanks, slashes, quotes; the folder is --outdir", "case")
-      if (len(case_name) > 100) call deck%complain(run, "case is longer than 100 letters", "case")
+      if (len(case_name) > 100) call deck%add_error(run, "case is longer than 100 letters", "case")
    end subroutine check_case
 
    !> Replace `deck` by the name of its system of units, as the echo of the deck is in SI.

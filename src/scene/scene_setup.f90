@@ -128,7 +128,7 @@ contains
 
       if (simulation%scheme%method%dual) return
       do n = 1, size(simulation%materials)
-         if (simulation%materials(n)%repacks) call deck%complain("material", n, &
+         if (simulation%materials(n)%repacks) call deck%add_error("material", n, &
             "volume_from = 'grid' needs method = 'ddmp' in &run; remove it", "volume_from")
       end do
    end subroutine check_volumes
@@ -143,7 +143,7 @@ contains
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%carries_energy()) return
       end do
-      call deck%complain(deck%group("method", 1), "no material has an internal energy; "// &
+      call deck%add_error(deck%group("method", 1), "no material has an internal energy; "// &
          "remove heat_flux", "heat_flux")
    end subroutine check_heat_flux
 
@@ -179,7 +179,7 @@ contains
          end associate
          if (len(fault) == 0) cycle
          group = deck%group("material", index)
-         call deck%complain(group, fault, "fracture_energy")
+         call deck%add_error(group, fault, "fracture_energy")
       end do
    end subroutine set_crack_bands
 end module scene_setup

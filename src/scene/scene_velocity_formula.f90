@@ -68,7 +68,7 @@ contains
          call compile_formula(bodies(body), formula)
          call check_body(simulation, numbered, body, formula, keys, error)
          call agree(simulation%machine%communicator, error)
-         if (allocated(error)) call deck%complain("body", body, error%message, "velocity_formula")
+         if (allocated(error)) call deck%add_error("body", body, error%message, "velocity_formula")
       end do
    end subroutine check_formulas
 

@@ -41,7 +41,7 @@ contains
          call read_voxels(path_in_deck(group, "file"), dataset, value, file, error)
       call agree(communicator, error)
       if (allocated(error)) then
-         call deck%complain(group, error%message, "file")
+         call deck%add_error(group, error%message, "file")
          return
       end if
       call share(communicator, file)
@@ -84,7 +84,7 @@ contains
       integer :: k
       logical :: known
 
-      if (file%dimensions < grid%dimensions) call deck%complain(group, "the voxels have "// &
+      if (file%dimensions < grid%dimensions) call deck%add_error(group, "the voxels have "// &
          number(file%dimensions)//" directions, the scene "//number(grid%dimensions)// &
          "; write as many layers as the body is thick", "file")
       call unit_of("m", length, known)
@@ -94,7 +94,7 @@ contains
       reach = far*maxval(grid%upper - grid%lower)
       do k = 1, 3
          if (grid%active(k)) cycle
-         if (file%extent(k) > 1) call deck%complain(group, "the scene has no direction "// &
+         if (file%extent(k) > 1) call deck%add_error(group, "the scene has no direction "// &
             axis_names(k)//", but there are "//number(file%extent(k))// &
             " voxels along it; write one layer", "file")
          file%edge(k) = 2.0_wp*reach

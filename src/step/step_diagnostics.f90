@@ -92,12 +92,12 @@ contains
    end subroutine find_unbalanced
 
    !> Greatest speed, energies of particles. Collective.
-   subroutine examine_bounds(space, stores, machine, least_energy, look)
+   subroutine examine_bounds(space, stores, machine, least_energy, sample)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(inout) :: machine
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
-      type(bounds_sample_t), intent(out) :: look       !! Measured values
+      type(bounds_sample_t), intent(out) :: sample       !! Measured values
       real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
       integer :: index, tile
 
@@ -116,10 +116,10 @@ contains
       !$omp end parallel do
       all = maxval(greatest, dim=2)
       call machine%communicator%maxima(all)
-      look%speed = sqrt(max(0.0_wp, all(1)))
-      look%heat = all(2)
-      look%cold = -all(3)
-      look%energy = max(0.0_wp, all(4))
+      sample%speed = sqrt(max(0.0_wp, all(1)))
+      sample%heat = all(2)
+      sample%cold = -all(3)
+      sample%energy = max(0.0_wp, all(4))
    end subroutine examine_bounds
 
    !> The greatest values of a range of particles: square of the speed, energy per mass, its
@@ -233,9 +233,9 @@ contains
    end function lowest_of
 
    !> Distances of neighbours, volumes, pressures. Collective.
-   subroutine examine_shapes(simulation, look)
+   subroutine examine_shapes(simulation, sample)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
-      type(shapes_sample_t), intent(out) :: look       !! Measured values
+      type(shapes_sample_t), intent(out) :: sample       !! Measured values
       real(wp), allocatable :: found(:, :)
       integer(int64), allocatable :: who(:, :)
       type(exact_sum_t) :: sum
@@ -267,18 +267,18 @@ contains
          end do
          identity(n) = lowest_of(simulation%machine, greatest(n), identity(n))
       end do
-      look%longest = &
+      sample%longest = &
          simulation%machine%communicator%maximum(greatest(longest))/simulation%space%grid%spacing
-      if (total(seen_mass) > 0.0_wp) look%share = total(far_mass)/total(seen_mass)
-      if (total(occupied) > 0.0_wp) look%overlap = (total(claimed) - total(occupied)) &
+      if (total(seen_mass) > 0.0_wp) sample%share = total(far_mass)/total(seen_mass)
+      if (total(occupied) > 0.0_wp) sample%overlap = (total(claimed) - total(occupied)) &
          /total(occupied)
       if (total(noise) > 0.0_wp) then
-         look%pressure = sqrt(total(noise + 1)/total(noise))
-         look%difference = sqrt(total(noise + 2)/total(noise))
-         look%kinetic = total(noise + 3)/total(noise)
+         sample%pressure = sqrt(total(noise + 1)/total(noise))
+         sample%difference = sqrt(total(noise + 2)/total(noise))
+         sample%kinetic = total(noise + 3)/total(noise)
       end if
-      look%longest_identity = identity(longest)
-      look%difference_identity = identity(differs)
+      sample%longest_identity = identity(longest)
+      sample%difference_identity = identity(differs)
    end subroutine examine_shapes
 
    !> The tiles of one thread, with scratch space of its own.

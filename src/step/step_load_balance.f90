@@ -79,7 +79,7 @@ contains
       ratio = simulation%machine%communicator%maximum(real(total(1), wp))
       call simulation%machine%communicator%total(total)
       ratio = ratio*real(simulation%machine%communicator%size, wp)/real(max(total(1), 1_int64), wp)
-      call simulation%machine%load%look(simulation%clock%step, ratio)
+      call simulation%machine%load%record(simulation%clock%step, ratio)
       if (ratio <= balancing%tolerance) return
       call simulation%machine%timer%start(simulation%machine%phase%sort)
       associate (tiles => simulation%space%tiles, rank => simulation%machine%communicator%rank)

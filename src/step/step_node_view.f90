@@ -17,7 +17,7 @@ module step_node_view
    implicit none
    private
 
-   public :: gather_parts_t, look, look_other, view_t
+   public :: gather_parts_t, set_other_view, set_view, view_t
 
    !> Selected parts of the transfer to the particles.
    type :: gather_parts_t
@@ -57,7 +57,7 @@ module step_node_view
 contains
 
    !> Set the node fields of a tile for its particles.
-   subroutine look(simulation, field, tile, parts, view)
+   subroutine set_view(simulation, field, tile, parts, view)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
@@ -76,9 +76,9 @@ contains
             0.5_wp*simulation%clock%kick, field%nodes%motion%acceleration(:, low:high, view%slot), &
             view%centre(:, low:high))
       end if
-      if (parts%motion) call look_motion(simulation%space, simulation%scheme, field, tile, &
+      if (parts%motion) call set_motion_view(simulation%space, simulation%scheme, field, tile, &
          simulation%clock%kick, view)
-      if (parts%strain) call look_steep(simulation, field, view)
+      if (parts%strain) call find_steep(simulation, field, view)
       if (.not. simulation%scheme%method%dual) return
       if (parts%motion .and. simulation%scheme%repacks) call excess_fill(simulation%space%grid, &
          simulation%space%boundary, simulation%space%tiles%coordinate(:, tile), &
@@ -89,10 +89,10 @@ contains
          call node_gradient(simulation%space, field, tile, field%nodes%dual%middle, view%middle)
       if (parts%strain .and. simulation%scheme%method%averages()) &
          call node_gradient(simulation%space, field, tile, field%nodes%dual%earlier, view%earlier)
-   end subroutine look
+   end subroutine set_view
 
    !> Fields of the other side of the nodes of a tile, if any have separated.
-   subroutine look_other(simulation, field, tile, parts, other)
+   subroutine set_other_view(simulation, field, tile, parts, other)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
@@ -101,13 +101,13 @@ contains
 
       other%slot = 0
       if (.not. allocated(field%sides)) return
-      if (field%sides%cut(tile)) call look(simulation, simulation%fields(field%other), tile, &
+      if (field%sides%cut(tile)) call set_view(simulation, simulation%fields(field%other), tile, &
          parts, other)
-   end subroutine look_other
+   end subroutine set_other_view
 
    !> Find which velocity gradients can limit the next step, and whether any node gradient is that
    !! steep. Node velocities alone decide this only where gradients are those of shape functions.
-   subroutine look_steep(simulation, field, view)
+   subroutine find_steep(simulation, field, view)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(view_t), intent(inout) :: view            !! Node fields for the particles
@@ -121,7 +121,7 @@ contains
          view%slow = are_nodes_slow(3*grid%tile_nodes, field%nodes%motion%strain(:, :, view%slot), &
             0.9_wp/6.0_wp*grid%spacing*view%matters)
       end associate
-   end subroutine look_steep
+   end subroutine find_steep
 
    !> Do linear velocity fields of any material come from the velocity of the nodes after the step,
    !! and not from the strain?
@@ -147,7 +147,7 @@ contains
    !> The node fields that move the particles of a tile, and those of the kinetic energy that the
    !! transfers to the nodes and back lose. Without leapfrog, equation (M.21) of
    !! doc/theory/method.md moves them.
-   subroutine look_motion(space, scheme, field, tile, dt, view)
+   subroutine set_motion_view(space, scheme, field, tile, dt, view)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
@@ -202,7 +202,7 @@ contains
             allocate (view%loss%moments(9, space%grid%tile_nodes))
          call moment_fields(space%grid, view%loss%turn, view%loss%moments)
       end associate
-   end subroutine look_motion
+   end subroutine set_motion_view
 
    !> Velocity increment for the particles, and the velocity that moves them.
    pure subroutine find_carriers(scheme, dt, velocity, acceleration, filtered, push, carry)

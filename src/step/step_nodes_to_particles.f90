@@ -18,7 +18,7 @@ module step_nodes_to_particles
    use step_method, only: method_t, stress_before
    use step_move_nodes, only: restore_velocities
    use step_offending_particle, only: tile_bounds
-   use step_node_view, only: gather_parts_t, look, look_other, view_t
+   use step_node_view, only: gather_parts_t, set_other_view, set_view, view_t
    use step_particles_to_nodes, only: locate_particles
    use step_pressure_relaxation, only: normalised, relax_pressures
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
@@ -109,8 +109,8 @@ contains
             index=field%first_store, field%last_store)])) return
       end if
       call restore_velocities(simulation, field, tile)
-      call look(simulation, field, tile, parts, view)
-      call look_other(simulation, field, tile, parts, other)
+      call set_view(simulation, field, tile, parts, view)
+      call set_other_view(simulation, field, tile, parts, other)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))

@@ -134,7 +134,7 @@ module step_simulation
 
    !> Load balance: ratio of the greatest to the mean work of the ranks, in the measured steps.
    type :: load_t
-      integer :: looks = 0                           !! Steps measured
+      integer :: measured = 0                        !! Steps measured
       integer :: cuts = 0                            !! Number of repartitions of the curve
       integer(int64) :: sent = 0                     !! Tiles that this rank sent then
       integer(int64) :: listed = 0                   !! Longest list of tiles here at the start
@@ -142,7 +142,7 @@ module step_simulation
       real(wp) :: total = 0.0_wp                     !! Sum over the measured steps [1]
       real(wp) :: greatest = 1.0_wp                  !! After the first hundred steps [1]
    contains
-      procedure :: look => load_look                 !! Record a measured step
+      procedure :: record => load_record                 !! Record a measured step
    end type load_t
 
    !> Indices of the timed phases.
@@ -350,15 +350,15 @@ contains
    end subroutine rank_work_record
 
    !> Record the load balance of a step.
-   pure subroutine load_look(self, step, ratio)
+   pure subroutine load_record(self, step, ratio)
       class(load_t), intent(inout) :: self
       integer(int64), intent(in) :: step             !! Steps done
       real(wp), intent(in) :: ratio                  !! Greatest over mean work [1]
       integer(int64), parameter :: starting_steps = 100
 
-      self%looks = self%looks + 1
+      self%measured = self%measured + 1
       self%last = ratio
       self%total = self%total + ratio
       if (step > starting_steps) self%greatest = max(self%greatest, ratio)
-   end subroutine load_look
+   end subroutine load_record
 end module step_simulation

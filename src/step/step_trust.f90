@@ -72,17 +72,17 @@ contains
    !> Record speeds and energies at the start of a run, the reference for later ones. Collective.
    subroutine begin_trust(simulation)
       type(simulation_t), intent(inout) :: simulation !! In its initial state
-      type(bounds_sample_t) :: look
+      type(bounds_sample_t) :: sample
 
       if (simulation%balance%trust%begun) return
-      call examine_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, look)
+      call examine_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, sample)
       associate (trust => simulation%balance%trust)
          trust%begun = .true.
-         trust%start_speed = look%speed
+         trust%start_speed = sample%speed
          trust%start_energy = &
             simulation%machine%communicator%maximum(greatest_stored(simulation%materials, &
             simulation%stores))
-         if (look%cold < huge(look%cold)) trust%least_energy = look%cold
+         if (sample%cold < huge(sample%cold)) trust%least_energy = sample%cold
       end associate
    end subroutine begin_trust
 
@@ -169,37 +169,37 @@ contains
    end subroutine final_trust
 
    !> Update the worst values of distances, volumes and pressures.
-   pure subroutine note_shapes(look, trust)
-      type(shapes_sample_t), intent(in) :: look        !! Measured values
+   pure subroutine note_shapes(sample, trust)
+      type(shapes_sample_t), intent(in) :: sample        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
 
-      trust%longest = max(trust%longest, look%longest)
-      trust%worst(trust_stretch) = max(trust%worst(trust_stretch), look%share)
-      trust%worst(trust_volume) = max(trust%worst(trust_volume), look%overlap)
+      trust%longest = max(trust%longest, sample%longest)
+      trust%worst(trust_stretch) = max(trust%worst(trust_stretch), sample%share)
+      trust%worst(trust_volume) = max(trust%worst(trust_volume), sample%overlap)
       ! pressures that are small compared with the inertia of the motion have no weight
-      trust%pressure = max(trust%pressure, look%pressure, look%kinetic)
-      trust%difference = max(trust%difference, look%difference)
+      trust%pressure = max(trust%pressure, sample%pressure, sample%kinetic)
+      trust%difference = max(trust%difference, sample%difference)
       if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
    end subroutine note_shapes
 
    !> Update the worst values of speeds and energies, relative to the greatest plausible ones.
    !! Equations (L.10) and (L.11) of doc/theory/ledger.md. Manufactured solutions have no such
    !! limits.
-   pure subroutine note_bounds(simulation, look, trust)
+   pure subroutine note_bounds(simulation, sample, trust)
       type(simulation_t), intent(in) :: simulation
-      type(bounds_sample_t), intent(in) :: look        !! Measured values
+      type(bounds_sample_t), intent(in) :: sample        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
       real(wp) :: square, scale
 
       if (allocated(simulation%effects%exact)) return
       square = explained_square(simulation, trust)
       if (square > 0.0_wp) trust%worst(trust_speed) = max(trust%worst(trust_speed), &
-         look%speed/sqrt(square))
-      if (look%heat < look%cold) return
+         sample%speed/sqrt(square))
+      if (sample%heat < sample%cold) return
       scale = max(0.5_wp*square, 0.01_wp*greatest_wave_square(simulation%materials))
       if (.not. scale > 0.0_wp) return
-      call take_worse(trust%worst(trust_heat), (look%heat - trust%least_energy)/scale)
-      call take_worse(trust%worst(trust_heat), (look%cold - trust%least_energy)/scale)
+      call take_worse(trust%worst(trust_heat), (sample%heat - trust%least_energy)/scale)
+      call take_worse(trust%worst(trust_heat), (sample%cold - trust%least_energy)/scale)
    end subroutine note_bounds
 
    !> Update the worst value of heat.
@@ -289,15 +289,15 @@ contains
 
    !> Warn of a speed or an energy without a physical cause, with the particle that has it.
    !! Collective.
-   subroutine warn_of_bounds(simulation, look, log)
+   subroutine warn_of_bounds(simulation, sample, log)
       type(simulation_t), intent(inout) :: simulation !! Set after the warning
-      type(bounds_sample_t), intent(in) :: look        !! Measured values
+      type(bounds_sample_t), intent(in) :: sample        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=160) :: text
 
       associate (trust => simulation%balance%trust)
          if (warns(trust, trust_speed, trust_bad)) then
-            write (text, "(a,es10.3,a,es9.2,a)") "its speed", look%speed, " m/s is", &
+            write (text, "(a,es10.3,a,es9.2,a)") "its speed", sample%speed, " m/s is", &
                trust%worst(trust_speed), " times the speed that initial "// &
                "state, walls, gravity and work explain"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
@@ -307,14 +307,14 @@ contains
          end if
          if (.not. warns(trust, trust_heat, trust_bad)) return
          if (trust%worst(trust_heat) > 0.0_wp) then
-            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%heat, " J/kg is", &
+            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", sample%heat, " J/kg is", &
                trust%worst(trust_heat), " times the energy supplied"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_heat, &
                trust%least_energy), trim(text)//"; check its equation of state, or remove "// &
                "such particles with &time on_bad = 'retire'")
          else
-            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy ", look%cold, &
+            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy ", sample%cold, &
                " J/kg is below the least initial energy by", -trust%worst(trust_heat), &
                " times the energy supplied"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
@@ -326,24 +326,24 @@ contains
    end subroutine warn_of_bounds
 
    !> Warn of large gaps between neighbours, overlapping volumes, and noise. Collective.
-   subroutine warn_of_shapes(simulation, look, log)
+   subroutine warn_of_shapes(simulation, sample, log)
       type(simulation_t), intent(inout) :: simulation !! Set after the warning
-      type(shapes_sample_t), intent(in) :: look        !! Measured values
+      type(shapes_sample_t), intent(in) :: sample        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text
 
       associate (trust => simulation%balance%trust)
          if (warns(trust, trust_stretch, trust_ok + 1)) then
-            write (text, "(a,f0.2,a,f0.1,a,f0.1,a)") "its neighbour is ", look%longest, &
-               " cells away, and in ", 100.0_wp*look%share, &
+            write (text, "(a,f0.2,a,f0.1,a,f0.1,a)") "its neighbour is ", sample%longest, &
+               " cells away, and in ", 100.0_wp*sample%share, &
                " % of the mass neighbours are more than ", apart, " cells apart"
-            call warn_of_particle(simulation, log, look%longest_identity, trim(text)//": "// &
+            call warn_of_particle(simulation, log, sample%longest_identity, trim(text)//": "// &
                "they no longer interact; use more particles per cell (ppc), or &method split "// &
                "= .true.")
          end if
          if (warns(trust, trust_volume, trust_bad)) then
             write (text, "(a,f0.1,a)") "its volume has grown most, and particles have ", &
-               100.0_wp*look%overlap, " % more volume than the cells that they fill"
+               100.0_wp*sample%overlap, " % more volume than the cells that they fill"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_volume, &
                trust%least_energy), trim(text)//"; use a lattice, more particles per cell "// &
@@ -354,7 +354,7 @@ contains
          write (text, "(a,f0.1,a)") "its pressure differs most from the surrounding "// &
             "pressure; such differences are ", &
             100.0_wp*trust%worst(trust_noise), " % of the pressure on average"
-         call warn_of_particle(simulation, log, look%difference_identity, &
+         call warn_of_particle(simulation, log, sample%difference_identity, &
             trim(text)//"; use more particles per cell (ppc), &method transfer = 'xpic' or "// &
             "more artificial viscosity")
       end associate
@@ -458,9 +458,9 @@ contains
 
    !> A particle cannot have more than the total energy; with twice the total energy the run stops.
    !! Collective.
-   subroutine refuse_impossible(simulation, look, error)
+   subroutine refuse_impossible(simulation, sample, error)
       type(simulation_t), intent(in) :: simulation
-      type(bounds_sample_t), intent(in) :: look        !! Measured values
+      type(bounds_sample_t), intent(in) :: sample        !! Measured values
       type(error_t), allocatable, intent(out) :: error !! If so
       real(wp), parameter :: margin = 2.0_wp
       real(wp) :: available
@@ -471,11 +471,11 @@ contains
          simulation%materials)) return
       associate (trust => simulation%balance%trust, start => simulation%balance%ledger%start)
          available = start%total - min(0.0_wp, trust%least_energy)*start%entry(mass) + trust%work
-         if (.not. available > 0.0_wp .or. look%energy <= margin*available) return
+         if (.not. available > 0.0_wp .or. sample%energy <= margin*available) return
          call name_particle(simulation, find_greatest(simulation%materials, simulation%stores, &
             simulation%machine, measure_energy, &
             trust%least_energy), who)
-         write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", look%energy, &
+         write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", sample%energy, &
             " J, more than the energy of the whole run,", available, " J"
       end associate
       call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))

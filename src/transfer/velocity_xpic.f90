@@ -43,7 +43,7 @@ contains
       type(group_t), intent(in) :: group
 
       call group%get("order_k", self%order)
-      if (self%order < 2) call deck%complain(group, "xpic of order 1 is the same as pic; "// &
+      if (self%order < 2) call deck%add_error(group, "xpic of order 1 is the same as pic; "// &
          "write transfer = "// &
          "'pic' or order_k = 2", "order_k")
       self%order = max(self%order, 2)

@@ -11,11 +11,11 @@ import re
 from typing import NamedTuple
 
 # Procedures that report or create an error or a warning.
-REPORTS = {"complain", "warn", "error", "warning", "fail", "command_line_error", "fail_reading", "fail_path", "fail_at",
-           "fail_check", "refuse", "refuse_key", "warn_of_particle"}
+REPORTS = {"add_error", "warn", "error", "warning", "fail", "command_line_error", "fail_reading", "fail_path",
+           "fail_at", "fail_check", "refuse", "refuse_key", "warn_of_particle"}
 CALL = re.compile(r"\bcall\s+((?:\w+(?:\([^()]*\))?\s*%\s*)*)(\w+)\s*\(", re.I)
 # Variables that hold the text of a message until it is reported.
-WORDS = re.compile(r"(?:^|\)\s*)(?:fault|complaint|doubt)\s*=(?!=)", re.I)
+WORDS = re.compile(r"(?:^|\)\s*)(?:fault|problem|doubt)\s*=(?!=)", re.I)
 # The result variables of functions with these names.
 RESULT = re.compile(r"(?:^|\)\s*)text\s*=(?!=)", re.I)
 FUNCTION = re.compile(r"^(?!end).*\bfunction\s+(\w+)", re.I)

@@ -2,14 +2,14 @@
 """Run a random deck and check it by invariants alone.
 
     verdict = judge.judge(options, generate.scene(17))
-    verdict.result, verdict.reason, verdict.detail     # "ok", "look" or "bad"
+    verdict.result, verdict.reason, verdict.detail     # "ok", "check" or "bad"
 
 Limits; none of them was chosen from measurements:
 
 exit code        0: the deck is legal and such matter exists. Exit code 4 of a method that is documented as unstable is
-                 only looked at, and so is that of a deck of which the run says at its start that its law does not hold.
+                 only rated "check", and so is that of a deck if the run reports at its start that a law does not hold.
 mass, momentum   1e-12 of M, and of the greatest of sum m v, impulse, and M c where the start has pressure: rounding.
-                 Methods whose documentation says that momentum or energy is not exact are only looked at.
+                 Methods whose documentation says that momentum or energy is not exact are only rated "check".
 energy           1e-9 where all matter carries it, since what transfers filter is heat there. Else 2 %, the target
                  of the ledger, of the greatest of energy and work, 5 % with contact, as the mean of the last quarter of
                  the run. With transfers that filter by intent only what is made counts.
@@ -66,7 +66,7 @@ class Verdict:
     def find(self, result, reason, detail=""):
         """Record a finding; the first of the worst ones is the reason of the verdict."""
         self.findings.append((result, reason, detail))
-        if self.result == "ok" or (self.result == "look" and result == "bad"):
+        if self.result == "ok" or (self.result == "check" and result == "bad"):
             self.result, self.reason, self.detail = result, reason, detail
 
 
@@ -108,7 +108,7 @@ def judge(options, scene, layouts=None):
     for time, snap in run.snapshots():
         state(verdict, scene, time, snap)
     if summary["time"] < 0.999 * scene.t_end:
-        verdict.find("look", "short steps", f"reaches {summary['time'] / scene.t_end:.2f} of t_end in "
+        verdict.find("check", "short steps", f"reaches {summary['time'] / scene.t_end:.2f} of t_end in "
                      f"{summary['steps']} steps, {scene.steps} expected")
     if layouts or layouts is None and scene.seed % 5 == 0:
         ranks(verdict, scene, options, summary)
@@ -127,7 +127,7 @@ def ended(verdict, scene, run):
     except (OSError, ValueError, KeyError):
         share = float("nan")
     excused = scene.method.unstable or "is elastic at any stress" in text
-    verdict.find("look" if excused else "bad", f"ends: {word}",
+    verdict.find("check" if excused else "bad", f"ends: {word}",
                  f"at {share:.2f} of t_end, step {verdict.steps}: {text[-230:]}")
 
 
@@ -160,7 +160,7 @@ def books(verdict, scene, run):
         scale = max(scale, mass * max(matter.bulk_speed for matter in scene.matters))
     if scale > 0.0 and miss > 1.0e-12 * scale:
         told = any("momentum is not conserved" in line for line in run.output.splitlines())
-        verdict.find("look" if scene.method.loses_momentum and told else "bad", "momentum", f"{miss / scale:.1e}")
+        verdict.find("check" if scene.method.loses_momentum and told else "bad", "momentum", f"{miss / scale:.1e}")
     energy(verdict, scene, table, any("of the energy is lost" in line for line in run.output.splitlines()))
 
 
@@ -179,11 +179,11 @@ def energy(verdict, scene, table, told):
     made, lost = float(error.max()), float(-error.min())
     limit = 1.0e-9 if exact else 0.05 if scene.contact else 0.02
     if made > limit:
-        verdict.find("look" if exact and scene.method.open_books else "bad",
+        verdict.find("check" if exact and scene.method.open_books else "bad",
                      "energy made" + (" (carried)" if exact else ""), number(made, exact))
     if lost > limit and (exact or not scene.method.filters):
         excused = scene.method.open_books if exact else told or lost < 1.5 * limit
-        verdict.find("look" if excused else "bad", "energy lost" + (" (carried)" if exact else ""),
+        verdict.find("check" if excused else "bad", "energy lost" + (" (carried)" if exact else ""),
                      number(lost, exact))
 
 
@@ -241,7 +241,7 @@ def beyond(verdict, name, ratio, mass, text, most=2.0, part=FEW):
         return
     share = float(mass[over].sum() / mass.sum())
     few = (share <= part or over.sum() <= 2) and ratio.max() < most
-    verdict.find("look" if few else "bad", name, f"{text}, {int(over.sum())} of {len(mass)} particles")
+    verdict.find("check" if few else "bad", name, f"{text}, {int(over.sum())} of {len(mass)} particles")
 
 
 def heat(verdict, scene, values, rows, mass, when):

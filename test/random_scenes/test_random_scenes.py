@@ -28,7 +28,7 @@ TARGET = 1.0       # percent of decks
 LIMIT = 50.0
 # With fewer decks a fraction of one percent cannot be verified.
 ENOUGH = 200
-KEPT = ("bad", "look")
+KEPT = ("bad", "check")
 
 
 def one(options, seed, keep=False):
@@ -91,7 +91,7 @@ def judge_all(sheet, verdicts):
     silent = share(verdicts, lambda verdict: any(
         finding[0] == "bad" and not finding[1].startswith("ends") for finding in verdict.findings))
     unsaid = share(verdicts, lambda verdict: verdict.result == "bad" and verdict.trust == "ok")
-    sheet.note("decks to look at [%]", share(verdicts, lambda verdict: verdict.result == "look"))
+    sheet.note("decks to look at [%]", share(verdicts, lambda verdict: verdict.result == "check"))
     sheet.note("bad decks with other methods than the default [%]", share(
         [verdict for verdict in verdicts if verdict not in usual], lambda verdict: verdict.result == "bad"))
     for name, value, target in (("bad decks with the default method [%]", bad, TARGET),
