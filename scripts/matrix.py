@@ -206,13 +206,13 @@ def prepare(place, cell):
 
 
 def prepare_python(place, cell):
-    """The Python environment of the tests."""
-    system = place.folder / cell.suite
-    requirements = (ROOT / "scripts/requirements.txt").read_text(encoding="utf-8")
-    (system / "opt/requirements.txt").write_text(requirements, encoding="utf-8")
-    place.inside(cell, "python", "set -e\ncmp -s /opt/requirements.txt /opt/venv/requirements.stamp && exit 0\n"
-                 "python3 -m venv /opt/venv\n/opt/venv/bin/pip install --quiet -r /opt/requirements.txt\n"
-                 "cp /opt/requirements.txt /opt/venv/requirements.stamp")
+    """The Python environment of the tests, with the packages of the repository as scripts/setup.sh installs them."""
+    renew_clone(place, cell)
+    place.inside(cell, "python", "set -e\ncd /opt/scree/python\n"
+                 "cmp -s pyproject.toml /opt/venv/requirements.stamp && exit 0\n"
+                 "python3 -m venv /opt/venv\n/opt/venv/bin/pip install --quiet '.[develop]'\n"
+                 "/opt/venv/bin/pip install --quiet --no-deps --no-build-isolation --editable .\n"
+                 "cp pyproject.toml /opt/venv/requirements.stamp")
 
 
 def renew_clone(place, cell):
