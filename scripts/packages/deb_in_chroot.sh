@@ -45,7 +45,7 @@ if [[ "${step}" == build ]]; then
 build-dep . > /dev/null")" \
       "$(in_system "cd /build/scree-${version} && \
 export DEB_BUILD_OPTIONS=parallel=${JOBS:-2} && \
-dpkg-buildpackage -us -uc > ../build.log 2>&1 || { tail ../build.log; false; }")" \
+dpkg-buildpackage -us -uc > ../build.log 2>&1 || { tail -n 40 ../build.log; false; }")" \
       "$(in_system "cd /build && \
 lintian --allow-root --fail-on error,warning --info --display-info \
 *.changes > lintian.log || { cat lintian.log; touch lintian.failed; }")" \
