@@ -195,7 +195,7 @@ def prepare(place, cell):
                  f"for one in {wanted}; do dpkg -s $one > /dev/null 2>&1 || missing=\"$missing $one\"; done\n"
                  'test -z "$missing" && exit 0\napt-get update -qq\n'
                  "apt-get install -y -qq --no-install-recommends $missing")
-    if place.labels:
+    if set(place.labels) - {"unit"}:
         prepare_python(place, cell)
     if cell.is_flang:
         place.inside(cell, "hdf5", HDF5_FLANG.format(flang=cell.command, mirror=MIRROR, suite=cell.suite,
@@ -270,7 +270,7 @@ def smoke(place, cell):
     renew_clone(place, cell)
     for label in place.labels:
         words = f"--smoke --folder build/{cell.name} --jobs {place.test_jobs} -L '^{label}$'"
-        said = place.inside(cell, f"smoke.{label}", "cd /opt/scree && /opt/venv/bin/python scripts/run_tests.py " +
+        said = place.inside(cell, f"smoke.{label}", "cd /opt/scree && python3 scripts/run_tests.py " +
                             words, may_fail=True)
         ended = re.search(r"^(\d+) passed, (\d+) failed, (\d+) skipped$", said, re.M)
         if not ended:
@@ -351,7 +351,8 @@ def main():
     parser.add_argument("cells", nargs="*", help="names or patterns; default: all")
     parser.add_argument("--steps", default=",".join(STEPS), help="some of %(default)s")
     parser.add_argument("--labels", default=",".join(LABELS), help="labels of the tests of smoke, or none: "
-                        "without unit no unit tests are built, with none no Python is set up; default %(default)s")
+                        "without unit no unit tests are built, with unit alone or none no Python environment is made; "
+                        "default %(default)s")
     parser.add_argument("--jobs", type=int, default=2, help="compilations at a time")
     parser.add_argument("--test-jobs", type=int, default=1, help="tests at a time")
     parser.add_argument("--list", action="store_true", help="print the names of the cells")
