@@ -256,11 +256,11 @@ def digests(place, cell):
         for ranks in (1,) if cell.mpi == "none" else (1, 2):
             starter = [] if ranks == 1 else [f"mpiexec.{cell.mpi}", "-n", str(ranks)]
             words = [*starter, f"build/{cell.name}/bin/scree", "-q", "--overwrite", "--case", scene, "--outdir",
-                     "/tmp/matrix", f"input/{scene}/scene.nml"]
+                     f"/tmp/{cell.name}", f"input/{scene}/scene.nml"]
             for setting in settings:
                 words += ["--set", setting]
             place.inside(cell, f"{scene}.{ranks}", f"cd /opt/scree && {environment}{shlex.join(words)}")
-            summary = place.folder / cell.suite / f"tmp/matrix/{scene}.summary.json"
+            summary = place.folder / cell.suite / f"tmp/{cell.name}/{scene}.summary.json"
             found[f"{scene} {ranks}"] = json.loads(summary.read_text(encoding="utf-8"))["digest"]
     place.note(cell, digests=found)
 
@@ -284,15 +284,15 @@ def smoke(place, cell):
 
 def package(place, cell):
     """An installation, found by CMake under both spellings of its name."""
-    user = place.folder / cell.suite / "tmp/user"
+    user = place.folder / cell.suite / f"tmp/{cell.name}/user"
     place.note(cell, package=False)
     for name in ("scree", "Scree"):
         (user / name).mkdir(parents=True, exist_ok=True)
         (user / name / "CMakeLists.txt").write_text(USER_LISTS.format(name=name), encoding="utf-8")
         (user / name / "user.f90").write_text(USER_PROGRAM, encoding="utf-8")
-        said = place.inside(cell, "package", "set -e\ncd /tmp/user\nrm -rf prefix build\n"
-                            f"cmake --install /opt/scree/build/{cell.name} --prefix /tmp/user/prefix > /dev/null\n"
-                            f"cmake -S {name} -B build -DCMAKE_PREFIX_PATH=/tmp/user/prefix "
+        said = place.inside(cell, "package", f"set -e\ncd /tmp/{cell.name}/user\nrm -rf prefix build\n"
+                            f"cmake --install /opt/scree/build/{cell.name} --prefix $PWD/prefix > /dev/null\n"
+                            f"cmake -S {name} -B build -DCMAKE_PREFIX_PATH=$PWD/prefix "
                             f"-DCMAKE_Fortran_COMPILER={cell.command}\ncmake --build build\nOMPI_ALLOW_RUN_AS_ROOT=1 "
                             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 build/user")
         if "status and ranks 0 1" not in said:
