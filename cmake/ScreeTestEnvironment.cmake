@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # With what tests run: environment, mpiexec, Python.
 
-# More ranks than cores, and root in a container, are the normal case of a test machine.
+# More ranks than cores, root in a container and no network are the normal case of a test machine.
 set(scree_test_environment
    OMP_NUM_THREADS=2 OMP_PROC_BIND=false
    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-   OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+   OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl=^tcp OMPI_MCA_btl_vader_single_copy_mechanism=none
    OMPI_MCA_hwloc_base_binding_policy=none
    PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe PRTE_MCA_hwloc_default_binding_policy=none)
 set(scree_mpiexec "${MPIEXEC_EXECUTABLE}" ${MPIEXEC_PREFLAGS} ${MPIEXEC_NUMPROC_FLAG})

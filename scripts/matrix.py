@@ -195,7 +195,7 @@ def prepare(place, cell):
                  f"for one in {wanted}; do dpkg -s $one > /dev/null 2>&1 || missing=\"$missing $one\"; done\n"
                  'test -z "$missing" && exit 0\napt-get update -qq\n'
                  "apt-get install -y -qq --no-install-recommends $missing")
-    if place.labels:
+    if set(place.labels) - {"unit"}:
         prepare_python(place, cell)
     if cell.is_flang:
         place.inside(cell, "hdf5", HDF5_FLANG.format(flang=cell.command, mirror=MIRROR, suite=cell.suite,
@@ -206,13 +206,13 @@ def prepare(place, cell):
 
 
 def prepare_python(place, cell):
-    """The Python environment of the tests."""
-    system = place.folder / cell.suite
-    requirements = (ROOT / "scripts/requirements.txt").read_text(encoding="utf-8")
-    (system / "opt/requirements.txt").write_text(requirements, encoding="utf-8")
-    place.inside(cell, "python", "set -e\ncmp -s /opt/requirements.txt /opt/venv/requirements.stamp && exit 0\n"
-                 "python3 -m venv /opt/venv\n/opt/venv/bin/pip install --quiet -r /opt/requirements.txt\n"
-                 "cp /opt/requirements.txt /opt/venv/requirements.stamp")
+    """The Python environment of the tests, with the packages of the repository as scripts/setup.sh installs them."""
+    renew_clone(place, cell)
+    place.inside(cell, "python", "set -e\ncd /opt/scree/python\n"
+                 "cmp -s pyproject.toml /opt/venv/requirements.stamp && exit 0\n"
+                 "python3 -m venv /opt/venv\n/opt/venv/bin/pip install --quiet '.[develop]'\n"
+                 "/opt/venv/bin/pip install --quiet --no-deps --no-build-isolation --editable .\n"
+                 "cp pyproject.toml /opt/venv/requirements.stamp")
 
 
 def renew_clone(place, cell):
@@ -256,11 +256,11 @@ def digests(place, cell):
         for ranks in (1,) if cell.mpi == "none" else (1, 2):
             starter = [] if ranks == 1 else [f"mpiexec.{cell.mpi}", "-n", str(ranks)]
             words = [*starter, f"build/{cell.name}/bin/scree", "-q", "--overwrite", "--case", scene, "--outdir",
-                     "/tmp/matrix", f"input/{scene}/scene.nml"]
+                     f"/tmp/{cell.name}", f"input/{scene}/scene.nml"]
             for setting in settings:
                 words += ["--set", setting]
             place.inside(cell, f"{scene}.{ranks}", f"cd /opt/scree && {environment}{shlex.join(words)}")
-            summary = place.folder / cell.suite / f"tmp/matrix/{scene}.summary.json"
+            summary = place.folder / cell.suite / f"tmp/{cell.name}/{scene}.summary.json"
             found[f"{scene} {ranks}"] = json.loads(summary.read_text(encoding="utf-8"))["digest"]
     place.note(cell, digests=found)
 
@@ -270,7 +270,7 @@ def smoke(place, cell):
     renew_clone(place, cell)
     for label in place.labels:
         words = f"--smoke --folder build/{cell.name} --jobs {place.test_jobs} -L '^{label}$'"
-        said = place.inside(cell, f"smoke.{label}", "cd /opt/scree && /opt/venv/bin/python scripts/run_tests.py " +
+        said = place.inside(cell, f"smoke.{label}", "cd /opt/scree && python3 scripts/run_tests.py " +
                             words, may_fail=True)
         ended = re.search(r"^(\d+) passed, (\d+) failed, (\d+) skipped$", said, re.M)
         if not ended:
@@ -284,15 +284,15 @@ def smoke(place, cell):
 
 def package(place, cell):
     """An installation, found by CMake under both spellings of its name."""
-    user = place.folder / cell.suite / "tmp/user"
+    user = place.folder / cell.suite / f"tmp/{cell.name}/user"
     place.note(cell, package=False)
     for name in ("scree", "Scree"):
         (user / name).mkdir(parents=True, exist_ok=True)
         (user / name / "CMakeLists.txt").write_text(USER_LISTS.format(name=name), encoding="utf-8")
         (user / name / "user.f90").write_text(USER_PROGRAM, encoding="utf-8")
-        said = place.inside(cell, "package", "set -e\ncd /tmp/user\nrm -rf prefix build\n"
-                            f"cmake --install /opt/scree/build/{cell.name} --prefix /tmp/user/prefix > /dev/null\n"
-                            f"cmake -S {name} -B build -DCMAKE_PREFIX_PATH=/tmp/user/prefix "
+        said = place.inside(cell, "package", f"set -e\ncd /tmp/{cell.name}/user\nrm -rf prefix build\n"
+                            f"cmake --install /opt/scree/build/{cell.name} --prefix $PWD/prefix > /dev/null\n"
+                            f"cmake -S {name} -B build -DCMAKE_PREFIX_PATH=$PWD/prefix "
                             f"-DCMAKE_Fortran_COMPILER={cell.command}\ncmake --build build\nOMPI_ALLOW_RUN_AS_ROOT=1 "
                             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 build/user")
         if "status and ranks 0 1" not in said:
@@ -351,7 +351,8 @@ def main():
     parser.add_argument("cells", nargs="*", help="names or patterns; default: all")
     parser.add_argument("--steps", default=",".join(STEPS), help="some of %(default)s")
     parser.add_argument("--labels", default=",".join(LABELS), help="labels of the tests of smoke, or none: "
-                        "without unit no unit tests are built, with none no Python is set up; default %(default)s")
+                        "without unit no unit tests are built, with unit alone or none no Python environment is made; "
+                        "default %(default)s")
     parser.add_argument("--jobs", type=int, default=2, help="compilations at a time")
     parser.add_argument("--test-jobs", type=int, default=1, help="tests at a time")
     parser.add_argument("--list", action="store_true", help="print the names of the cells")

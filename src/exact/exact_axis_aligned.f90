@@ -85,6 +85,7 @@ contains
       stretch = 1.0_wp
       wave = pi/self%edge
       frequency = wave*sqrt(self%young()/self%density)
+      !GCC$ novector
       do n = 1, self%dimensions
          k = axes(n, self%dimensions)
          turn = frequency*time + 2.0_wp*pi*real(n - 1, wp)/real(self%dimensions, wp)

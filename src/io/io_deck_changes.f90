@@ -278,7 +278,10 @@ contains
          call move_alloc(longer, group%entries)
       end if
       group%count = group%count + 1
-      group%entries(group%count) = echo_entry_t(line(:equals - 1), value, default)
+      ! gfortran 13 makes an empty component of a substring in a constructor
+      group%entries(group%count)%key = line(:equals - 1)
+      group%entries(group%count)%value = value
+      group%entries(group%count)%default = default
    end subroutine read_key
 
    !> Label groups by their name if they have one, else by their number within their kind.

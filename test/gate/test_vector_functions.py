@@ -90,7 +90,8 @@ class TestVectorFunctions:
             for name, symbol in undefined(options, library):
                 scalar += symbol in ("exp", "log", "pow")
                 if symbol.startswith("_ZGV"):
-                    found.append(f"{name}: {symbol}; put !GCC$ novector before the loop")
+                    found.append(f"{name}: {symbol}; put !GCC$ novector before the loop, or compile the file with "
+                                 "-fno-tree-slp-vectorize where there is no loop")
         assert scalar > 5, "units, random numbers and exact solutions call exp, log and pow somewhere"
         assert found == [], "\n" + "\n".join(found)
 

@@ -7,9 +7,7 @@ Would catch hints that are printed but do not reach the files, hints on a local 
 recognised, hints of the deck that do not replace those for the file system, and results that depend on hints.
 """
 
-import os
 import re
-import shutil
 import subprocess
 
 import pytest
@@ -63,8 +61,10 @@ def run(options, name, *words, ranks=2, **more):
     return made
 
 
-def used(made):
+def used(options, made):
     """Hints that ROMIO used for all files of a run."""
+    if "Open MPI v5." in case.version(options.scree):
+        pytest.skip("Open MPI 5.0 keeps the hints of a file from ROMIO, and reads no ROMIO_HINTS")
     found = {}
     for name, value in re.findall(r"^key = (\S+)\s+value = (\S+)", made.output, re.M):
         found.setdefault(name, set()).add(value)
@@ -80,9 +80,9 @@ def test_hints_of_the_deck(options):
     made = run(options, "own", "--set", "parallel.io_hints='romio_cb_write=enable; cb_buffer_size = 2097152;'")
     assert "io hints  romio_cb_write=enable, cb_buffer_size=2097152\n" in made.output
     assert plain.summary["digest"] == made.summary["digest"]
-    assert used(made)["romio_cb_write"] == {"enable"}
-    assert used(made)["cb_buffer_size"] == {"2097152"}
-    assert used(plain)["romio_cb_write"] == {"automatic"}
+    assert used(options, made)["romio_cb_write"] == {"enable"}
+    assert used(options, made)["cb_buffer_size"] == {"2097152"}
+    assert used(options, plain)["romio_cb_write"] == {"automatic"}
 
 
 def test_one_rank(options):
@@ -93,9 +93,7 @@ def test_one_rank(options):
 
 def test_lustre(options, tmp_path):
     """Hints for Lustre are in use, those of the deck replace them, and 'none' removes all."""
-    compiler = shutil.which(os.environ.get("FC", "gfortran"))
-    if not compiler:
-        pytest.skip("there is no gfortran")
+    compiler = case.gfortran_of(options)
     library = tmp_path / "pretend.so"                # the loader separates names at blanks
     source = options.work / "pretend.f90"
     source.write_text(PRETEND, encoding="utf-8")
@@ -106,8 +104,8 @@ def test_lustre(options, tmp_path):
             in made.output), made.output
     made = run(options, "on_lustre", "--set", "parallel.io_hints='romio_cb_write=automatic'", **more)
     assert "io hints  romio_cb_write=automatic, romio_ds_write=disable," in made.output
-    assert used(made)["romio_ds_write"] == {"disable"}
-    assert used(made)["romio_cb_write"] == {"automatic"}
-    made = run(options, "on_lustre", "--set", "parallel.io_hints='none'", **more)
-    assert "io hints" not in made.output
-    assert used(made)["romio_ds_write"] == {"automatic"}
+    none = run(options, "on_lustre", "--set", "parallel.io_hints='none'", **more)
+    assert "io hints" not in none.output
+    assert used(options, made)["romio_ds_write"] == {"disable"}
+    assert used(options, made)["romio_cb_write"] == {"automatic"}
+    assert used(options, none)["romio_ds_write"] == {"automatic"}

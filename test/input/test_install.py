@@ -4,7 +4,8 @@
 
 Would catch: a file that is not installed, a program that needs its build tree, a man page that man cannot read, a
 completion that lacks an option of `scree --help` or completes nothing, and a man page or a completion that was not
-regenerated after a change of the help.
+regenerated after a change of the help; a file that the Debian package neither takes nor leaves out, which ends its
+build.
 """
 
 import os
@@ -13,7 +14,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import pytest
 
@@ -64,6 +65,17 @@ def completed(prefix, *words, folder="/", command="scree"):
     if code or wrong:
         raise AssertionError(f"{words}: {code} {wrong}")
     return set(said.split("\n")) - {""}
+
+
+def debian(name):
+    """Patterns of one of the lists of the Debian package, without the places where their files go."""
+    lines = (case.ROOT / "scripts/packages/debian" / name).read_text(encoding="utf-8").splitlines()
+    return [line.split()[0] for line in lines]
+
+
+def matches(path, patterns):
+    """Those of the patterns that stand for a file or for a folder that it is in, as debhelper reads them."""
+    return [pattern for pattern in patterns if any(place.match(pattern) for place in (path, *path.parents))]
 
 
 @pytest.fixture(scope="module")
@@ -278,3 +290,37 @@ class TestInstall:
         """Would catch a help that was changed without its man page and completion."""
         code, said, wrong = run(sys.executable, case.ROOT / "scripts/document_commands.py", options.scree, "--check")
         assert code == 0, said + wrong
+
+    def test_debian_package(self, prefix):
+        """Would catch a new folder of scripts that the lists of the Debian package do not name, a pattern of which
+        nothing is left, and a script that is packed without a module that it imports."""
+        rules = (case.ROOT / "scripts/packages/debian/rules").read_text(encoding="utf-8")
+        removed = re.findall(r"debian/tmp/usr/\$\(private\)/(\w+)", rules)
+        assert removed == ["scree", "cmake"]
+        library = next((path.parent for path in prefix.rglob("libscree.so") if "glibc-hwcaps" not in str(path)), None)
+        if not library:
+            pytest.skip("this build has no shared library")
+        files = []
+        for path in prefix.rglob("*"):
+            if path.is_dir():
+                continue
+            if library in path.parents:
+                inside = path.relative_to(library)
+                if inside.parts[0] not in removed:
+                    files.append(PurePosixPath("usr/lib/x86_64-linux-gnu/scree") / inside)
+            else:
+                files.append(PurePosixPath("usr") / path.relative_to(prefix))
+        taken, left_out = debian("scree.install"), debian("not-installed")
+        packed = [path for path in files if matches(path, taken)]
+        # the documents have a folder with the name of the package
+        unknown = [path for path in files if path not in packed and not matches(path, left_out)
+                   and "share/doc" not in str(path)]
+        assert unknown == []
+        used = {pattern for path in files for pattern in matches(path, [*taken, *left_out])}
+        assert {*taken, *left_out} - used <= {"usr/share/doc/scree/LICENSE"}
+        scripts = {path.stem for path in packed if str(path.parent) == "usr/share/scree/scripts"}
+        siblings = {path.stem for path in (case.ROOT / "scripts").glob("*.py")}
+        for name in sorted(scripts):
+            text = (case.ROOT / "scripts" / f"{name}.py").read_text(encoding="utf-8")
+            needed = set(re.findall(r"^(?:import|from) (\w+)", text, re.M)) & siblings
+            assert needed <= scripts, f"{name}.py imports {needed - scripts}"
