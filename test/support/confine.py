@@ -24,8 +24,9 @@ import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
-# Open MPI starts with shared files of megabytes, which a limit on file sizes forbids; one rank does not need them.
-NO_SHARED_FILES = {"PMIX_MCA_gds": "hash", "OMPI_MCA_btl": "self"}
+# Open MPI, and UCX of MPICH, start with shared files of megabytes, which a limit on file sizes forbids; one rank does
+# not need them.
+NO_SHARED_FILES = {"PMIX_MCA_gds": "hash", "OMPI_MCA_btl": "self", "UCX_TLS": "self"}
 NOBODY = 65534      # the user without rights of Linux, who owns no files
 # Both methods hide the disk from all other processes and remove it with the last process on it.
 WAYS = (("unshare", "--map-root-user", "--mount"), ("unshare", "--mount"))
