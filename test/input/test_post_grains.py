@@ -207,7 +207,7 @@ def test_refusals(options):
     history.write_text(good.replace(",3\n", ",nan\n").replace(",-1000,", ",nan,"), encoding="utf-8")
     refused(3, folder, "column stress_", "is not finite")
     history.write_text(good.replace(",-1000,", ",0,"), encoding="utf-8")
-    refused(3, folder, "carries no stress", "compress the cell first")
+    refused(3, folder, "has no stress", "compress the cell first")
     history.write_text(good, encoding="utf-8")
     refused(2, folder, "no shear stage 'slw'", "did you mean 'slow'", words=("--stage", "slw"))
     refused(2, folder, "no reversal was measured in stage 'fast'", words=("--stage", "fast", "--tau", "reversal"))

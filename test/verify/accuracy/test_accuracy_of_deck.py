@@ -142,7 +142,7 @@ def test_complaints(options, sheet):
             (("--quantity", "internal", "--factors", "2,1"), 2, "at least three different numbers"),
             (("--quantity", "internal", "--factors", "1,1.001,1.002"), 2, "name three of these"),
             (("--quantity", "internal:at=9"), 2, "the history goes from 0 to 1.5 s"),
-            (("--quantity", "internal:mean"), 2, "after the colon stands"),
+            (("--quantity", "internal:mean"), 2, "after the colon write last, max, min"),
             (("--quantity", "width", "--body", "wing"), 2, "there is no body 'wing'; there are: bar"),
             (("--quantity", "internal", "--methods", "fem"), 2, "method = fem is none of"),
             (("--quantity", "internal", "--tolerance", "good"), 2, "is not like 1%"),
