@@ -48,6 +48,6 @@ class TestGridFiles:
         big = DECK.format(dimension="3d", y=1, low=0.25, precision="single", speed=0).replace(
             "dx = 0.0625", "dx = 0.0009765625").replace("hi = 0.75 0.5 0.5", "hi = 0.13 0.26 0.26")
         run = case.Case(options, "big", big).run("--check", expect=2)
-        assert "would write up to 1.07374e9 cells at a time" in run.output
+        assert "would write up to 1.07374e9 cells per output time" in run.output
         where = big.replace("kind = 'grid'", "kind = 'grid'  region = 'block'")
         case.Case(options, "bounded", where).run("--check", "--no-estimate")
