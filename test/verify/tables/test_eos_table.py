@@ -108,7 +108,7 @@ SAID = (
     "10: error: &material 'f': eos_table: table_temperature = 1 K lies outside of the table '{}al.txt'",
     "11: error: &material 'g': eos_table must be given",
     "12: error: &material 'h': mg_s given but eos_model = 'table' does not use it",
-    "13: warning: &material 'i': eos_table: pressure and energy of the table '{}odd.txt' are inconsistent: rho**2 de/drho",
+    "13: warning: &material 'i': eos_table: pressure and energy of the table '{}odd.txt' are inconsistent",
     "14: error: &material 'j': eos_table: cannot use the table '{}turned.txt': line 37: densities must ascend",
 )
 
