@@ -32,7 +32,7 @@ contains
       call schema%group("effects", &
          "physics switches; an effect that is off costs nothing, and its keys are errors")
       call schema%logical("effects", "gravity", &
-         "gravity or another acceleration that acts on all material", default=".false.")
+         "acceleration of all material: gravity_vector, or also gravity_table", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
       call schema%text("effects", "gravity_table", "file with lines t, gx, gy, gz in the units "// &
