@@ -16,7 +16,7 @@ MAN = ROOT / "doc/man/scree-bench.1"
 BASH = ROOT / "scripts/completion/scree-bench.bash"
 ZSH = ROOT / "scripts/completion/_scree-bench"
 NOTICE = "written by scripts/document_commands.py; do not edit it."
-# : Options whose values are names of files, and the pattern of these names.
+# Options whose values are names of files, and the pattern of these names.
 FILES = {"show": "*.json", "compare": "*.json", "out": "*.json", "markdown": "*.md", "scree": "*", "turns": "*"}
 FOLDERS = ("work",)
 BASH_TEXT = """# Completion of scree-bench for bash, @NOTICE@

@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DRAWING = ROOT / "doc/developer/rooms.svg"
 USE = re.compile(r"^\s*use\s+(\w+)", re.M)
-# : Column of each folder in the drawing, and its content in a few words.
+# Column of each folder in the drawing, and its content in a few words.
 BOXES = {
     "base": (1.8, "deck, errors, MPI, exact sums"), "mesh": (1.5, "grid, tiles, patches, walls"),
     "constitutive": (0.4, "strength, EOS, damage"), "material": (0, "a material, its update"),

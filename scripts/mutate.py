@@ -49,7 +49,7 @@ from mutants.workshop import PROGRAMS, Test, Workshop  # noqa: E402
 
 COLUMNS = ("place", "before", "after", "kind", "outcome", "by", "seconds", "tests", "note")
 LONGEST = {"unit": 0.0, "smoke": 19.0, "full": 31.5}     # longest recorded duration of a Python test that is used [s]
-# : Tests of the Python package and of the installation, which are not used.
+# Tests of the Python package and of the installation, which are not used.
 NOT_OF_PROGRAM = re.compile(r"install|speed_bench|test_post_|damaged_series|message_codes")
 # limit of the processor time of a test: constant part [s], and factor of its recorded duration
 CPU = (20.0, 10.0)

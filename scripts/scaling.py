@@ -96,6 +96,14 @@ def launcher(options, ranks, threads):
     return ["mpiexec", "-n", str(ranks), *low_priority]
 
 
+def environment(threads):
+    """Environment of a run: that of the user, with the settings of Open MPI for more ranks than cores."""
+    variables = {**OPEN_MPI, **os.environ, "OMP_NUM_THREADS": str(threads)}
+    if os.geteuid() == 0:
+        variables.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    return variables
+
+
 def run(options, deck, ranks, threads, name):
     """Make one run in a folder of this name. Returns its summary."""
     folder = options.work / name
@@ -106,10 +114,8 @@ def run(options, deck, ranks, threads, name):
     path.write_text(deck, encoding="utf-8")
     command = [*launcher(options, ranks, threads), str(options.scree), "-q", "--overwrite", "--case", "case",
                "--outdir", str(folder), str(path)]
-    environment = {**OPEN_MPI, **os.environ, "OMP_NUM_THREADS": str(threads)}
-    if os.geteuid() == 0:
-        environment.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
-    answer = subprocess.run(command, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    answer = subprocess.run(command, env=environment(threads), text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT)
     if answer.returncode != 0:
         sys.exit(f"scaling: {' '.join(command)} ended with exit code {answer.returncode}:\n{answer.stdout[-2000:]}")
     return json.loads(result.read_text(encoding="utf-8"))

@@ -14,11 +14,11 @@ SKIPPED = re.compile(
     r"pure|elemental|impure|recursive|subroutine|function|module|program|block|associate|select|case|nullify|"
     r"allocate|deallocate|write|print|open|close|inquire|rewind|flush|read ?\(|character|integer|real|logical|"
     r"complex|format|continue|critical)\b", re.I)
-# : Statements that are not changed: declarations, descriptions of keys, measured times, and texts of messages.
+# Statements that are not changed: declarations, descriptions of keys, measured times, and texts of messages.
 SILENT = re.compile(
     r"::|schema%|timer|cost\b|record_cost|progress|capacity|reserve|%add_error|%line\(|log%|message|unit_of|"
     r"wall_time|width|write_|hint|text_of", re.I)
-# : The statements from here on only compose the text of a message.
+# The statements from here on only compose the text of a message.
 MESSAGE = re.compile(r"\bcall (fail\w*|\w*%?error|\w*%add_error|command_line_error|agree|\w*report\w*)\b", re.I)
 #: Files that only write texts or measure times.
 SILENT_FILES = re.compile(

@@ -23,9 +23,9 @@ from mutants.places import Mutant
 from mutants.process import Ended, run
 
 PROGRAMS = ("scree", "fuzz_decks", "libscree.so")
-# : Optimisation level that halves the compilation time of the copy; all tests pass with it.
+# Optimisation level that halves the compilation time of the copy; all tests pass with it.
 LEVEL = ("-O3 -fno-trapping-math", "-O1 -fno-trapping-math")
-# : Labels of tests that cannot detect a wrong result of the program.
+# Labels of tests that cannot detect a wrong result of the program.
 LEFT_OUT = {"gate", "bench"}
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import case
 from scree_post import state_table
 
-# : One cube per file.
+# One cube per file.
 DECK = """
 &run dimension = '3d' /
 &grid lo = 0 0 0  hi = 5 1 1  dx = 0.25 /
@@ -34,7 +34,7 @@ DECK = """
 &boundary face = 'xhi'  type = 'velocity'  table = 'motion.csv' /
 &output name = 'h'  kind = 'history'  every = 1 /
 """
-# : HDF5 files: the HDF5 library itself may crash on damage, so each file is read by a separate process.
+# HDF5 files: the HDF5 library itself may crash on damage, so each file is read by a separate process.
 HDF5_DECK = """
 &run dimension = '3d' /
 &grid lo = 0 0 0  hi = 2 1 1  dx = 0.25 /
@@ -54,7 +54,7 @@ HDF5_SOURCE = """
 &body name = 'one'  region = 'ball'  material = 'metal' /
 &output name = 'p'  kind = 'particles'  count = 1 /
 """
-# : Sanitizers stop at the first error and show where; a request for too much memory fails as it does without them.
+# Sanitizers stop at the first error and show where; a request for too much memory fails as it does without them.
 ENVIRONMENT = {**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1", "UBSAN_OPTIONS": "halt_on_error=1",
                "GFORTRAN_ERROR_BACKTRACE": "0",
                "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=1"}

@@ -20,9 +20,9 @@ from pathlib import Path
 import case
 from post_command import RUNS
 
-# : Pages that a test of its own runs from top to bottom.
+# Pages that a test of its own runs from top to bottom.
 TYPED = {"doc/learn/first_hour.md": "test_first_hour.py", "doc/guide/geometry.md": "test_geometry_page.py"}
-# : Beginnings of commands that another test runs, or that are not to be run.
+# Beginnings of commands that another test runs, or that are not to be run.
 ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post": "test_post_documents.py",
              "paraview": "test_paraview.py", "pvbatch": "test_paraview.py",
              "build/bin/scree [options]": "a pattern", "build/bin/scree scene.nml & sleep": "test_first_hour.py",

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-# : Deck of each page, and values with which it runs in seconds.
+# Deck of each page, and values with which it runs in seconds.
 PAGES = {"first_deck": ("two_discs", ("grid.dx=0.05",)),
          "debris_cloud": ("debris_cloud", ("grid.dx=0.775", "time.t_end=4")),
          "brittle_rod": ("glass_rod", ("grid.dx=1", "time.t_end=7")),

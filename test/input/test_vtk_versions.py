@@ -15,7 +15,7 @@ import pytest
 import case
 
 VERSIONS = ("vtk==9.2.6", "vtk")
-# : Particles, a grid and a slice, with symmetric tensors and integers.
+# Particles, a grid and a slice, with symmetric tensors and integers.
 DECK = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.05 /
 &time t_end = 1e-3  cfl = 0.3 /

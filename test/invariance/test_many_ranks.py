@@ -12,7 +12,6 @@ columns or figures. full: 24 and 36 ranks; long: 512 ranks.
 # cores: 2
 
 import csv
-import os
 import re
 import subprocess
 import sys
@@ -88,11 +87,9 @@ def test_restart_lists(options, sheet):
     program = options.scree.parent / "bench_restart"
     if not program.exists():
         pytest.skip("bench_restart was not built")
-    environment = {**scaling.OPEN_MPI, **os.environ, **case.OPEN_MPI}
     for action, ranks in (("write", 2), ("read", 9)):
-        said = subprocess.run([*scaling.launcher(SimpleNamespace(launcher=""), ranks, 1), str(program), action,
-                               str(options.work), "3"], env=environment, text=True, check=True,
-                              stdout=subprocess.PIPE).stdout
+        words = [*scaling.launcher(scene(options), ranks, 1), str(program), action, str(options.work), "3"]
+        said = subprocess.run(words, env=scaling.environment(1), text=True, check=True, stdout=subprocess.PIPE).stdout
     particles, listed, received, longest = map(int, re.findall(r"[a-z] (\d+)", said.splitlines()[-1]))
     sheet.require(particles == 27 * TILE_CELLS ** 3 * 8, f"{particles} particles are counted")
     sheet.require(27 <= listed == received <= 27 + 2 * 9, f"{listed} tiles are listed and {received} are received")

@@ -37,7 +37,7 @@ import numpy as np
 
 import case
 
-# A waiting rank releases its core to the other one; otherwise two ranks on a busy machine take minutes.
+# A waiting rank releases its core to the other one; otherwise two ranks on one core take minutes.
 os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
 HANG = 300.0       # seconds of wall time; a run is designed for a few, and max_steps limits it to six times that
 RANK_STEPS = 60    # first steps, which are compared between one rank and two

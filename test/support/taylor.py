@@ -32,7 +32,7 @@ class Bar:
 
 MEASURED = Bar("scene.nml", 25.4, 3.81)
 CLASSIC = Bar("classic.nml", 32.4, 3.2)
-# : Length, diameter of the foot and intermediate diameter in experiments, by G. R. Johnson and T. J. Holmquist (1988)
+# Length, diameter of the foot and intermediate diameter in experiments, by G. R. Johnson and T. J. Holmquist (1988)
 # [mm].
 EXPERIMENT = (16.2, 13.5, 10.1)
 

@@ -15,7 +15,7 @@ from .errors import FileProblem
 from .program import find_program
 
 NAME = "libscree.so"
-# : The loader of the GNU C library on x86-64, at the path that its binary interface prescribes.
+# The loader of the GNU C library on x86-64, at the path that its binary interface prescribes.
 LOADER = "/lib64/ld-linux-x86-64.so.2"
 TEXT_MESSAGE, TEXT_FOLDER, TEXT_CASE, TEXT_REASON, TEXT_CONTROLS, TEXT_STORE, TEXT_FIELDS = range(7)
 #: MPI and HDF5 are used from one thread at a time.

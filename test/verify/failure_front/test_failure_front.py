@@ -52,7 +52,7 @@ TURNED = """
 &body  name='right'  region='right'  material='g'  ppc=2,1,2  velocity={mx:.15f},0,{mz:.15f} /
 &output  name='p'  kind='particles'  dt=0.2  precision='double'  fields='failed','mass' /
 """
-# : A fragment of rubble and the remainder of a rod in a closed box for a hundred thousand steps.
+# A fragment of rubble and the remainder of a rod in a closed box for a hundred thousand steps.
 BOX = """
 &run  dimension='plane_strain' /
 &units  system='mm-us-mg' /
