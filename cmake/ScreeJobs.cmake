@@ -31,5 +31,5 @@ function(scree_jobs)
    list(JOIN job_names ", " job_names)
    configure_file("${jobs_TEMPLATE}" "${jobs_OUTPUT}" @ONLY)
    # Doubled quotes can make lines long; the texts need no optimisation.
-   set_property(SOURCE "${jobs_OUTPUT}" PROPERTY COMPILE_OPTIONS -ffree-line-length-none -O0)
+   set_property(SOURCE "${jobs_OUTPUT}" PROPERTY COMPILE_OPTIONS ${scree_line_flags} -O0)
 endfunction()

@@ -39,6 +39,6 @@ function(scree_self_test)
          "      case (\"${CMAKE_MATCH_1} ${CMAKE_MATCH_2}\")\n         digest = \"${CMAKE_MATCH_3}\"\n")
    endforeach()
    configure_file("${test_TEMPLATE}" "${test_OUTPUT}" @ONLY)
-   # The texts need no optimisation.
-   set_property(SOURCE "${test_OUTPUT}" PROPERTY COMPILE_OPTIONS -ffree-line-length-none -O0)
+   # The texts need no optimisation, and doubled quotes can make lines long.
+   set_property(SOURCE "${test_OUTPUT}" PROPERTY COMPILE_OPTIONS ${scree_line_flags} -O0)
 endfunction()
