@@ -6,8 +6,8 @@ get_property(layers GLOBAL PROPERTY scree_layers)
 add_executable(memory_copy "${PROJECT_SOURCE_DIR}/scripts/scree_bench/memory_copy.f90")
 target_link_libraries(memory_copy PRIVATE scree_options OpenMP::OpenMP_Fortran ${layers})
 set_target_properties(memory_copy PROPERTIES
-   RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/libexec/scree")
-scree_module_folder(memory_copy "${PROJECT_BINARY_DIR}/modules/main")
+   RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/libexec/scree"
+   Fortran_MODULE_DIRECTORY "${PROJECT_BINARY_DIR}/modules/main")
 # A build of the program alone can be measured too.
 if(TARGET scree)
    add_dependencies(scree memory_copy)

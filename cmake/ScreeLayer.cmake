@@ -41,8 +41,9 @@ endfunction()
 function(scree_layer_library target suffix modules)
    string(REPLACE "@processor@" "${suffix}" sources "${sources}")
    add_library(${target} STATIC ${sources})
-   scree_module_folder(${target} "${modules}")
-   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+   set_target_properties(${target} PROPERTIES
+      Fortran_MODULE_DIRECTORY "${modules}"
+      POSITION_INDEPENDENT_CODE OFF)
    target_include_directories(${target} INTERFACE "$<BUILD_INTERFACE:${modules}>")
    target_link_libraries(${target} PRIVATE
       $<BUILD_INTERFACE:scree_options${suffix}> OpenMP::OpenMP_Fortran ${layer_LINKS})

@@ -47,9 +47,3 @@ list(JOIN ${scree_type_flags} " " scree_more_flags)
 string(REGEX REPLACE "-f[a-z]+-prefix-map=[^ ]*" "" scree_user_flags "${CMAKE_Fortran_FLAGS}")
 string(REGEX REPLACE " +" " " scree_user_flags "${scree_user_flags}")
 string(STRIP "${scree_flags} ${scree_more_flags} ${scree_user_flags}" scree_flags)
-
-# The folder for the modules of a target. gfortran makes it, flang wants it to exist.
-function(scree_module_folder target folder)
-   file(MAKE_DIRECTORY "${folder}")
-   set_target_properties(${target} PROPERTIES Fortran_MODULE_DIRECTORY "${folder}")
-endfunction()

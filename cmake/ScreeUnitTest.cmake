@@ -91,8 +91,8 @@ function(scree_with_translator name file ranks label)
       DEPENDS "${file}" "${translator}"
       COMMENT "Translating ${name}.pf" VERBATIM)
    add_executable(${name} "${folder}/${name}.f90" "${folder}/run_${name}.f90")
-   scree_module_folder(${name} "${folder}")
-   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${folder}")
+   set_target_properties(${name} PROPERTIES
+      Fortran_MODULE_DIRECTORY "${folder}" RUNTIME_OUTPUT_DIRECTORY "${folder}")
    target_compile_options(${name} PRIVATE ${scree_line_flags})
    target_link_libraries(${name} scree_unit_options scree_pfunit)
    if(label STREQUAL "none")

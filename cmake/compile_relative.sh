@@ -47,8 +47,9 @@ for word; do
    esac
    previous="${word}"
    case "${word}" in
-      -J/* | -I/* | -J | -I) ;;
+      -J/* | -I/* | -J | -I | -module-dir/* | -module-dir) ;;
       -J*) word="-J${here}${word#-J}" ;;
+      -module-dir*) word="-module-dir${here}${word#-module-dir}" ;; # flang
       -I*) word="-I${here}${word#-I}" ;;
    esac
    set -- "$@" "${word}"
