@@ -7,7 +7,8 @@
 #   scree_inline_flags     long functions are inlined into loops
 #   scree_stack_flags      arrays of variable size lie on the stack
 #   scree_line_flags       lines of any length, for tests that a program wrote
-# and scree_compiler, its name in reports. doc/developer/platforms.md says which compilers were tried.
+# and scree_compiler, its name in reports, and scree_layer_scope: PRIVATE if the file of a module holds
+# all that its users need, PUBLIC if the compiler reads the modules that it uses too. doc/developer/platforms.md says which compilers were tried.
 include(CheckFortranCompilerFlag)
 
 set(scree_id "${CMAKE_Fortran_COMPILER_ID}")
@@ -15,6 +16,7 @@ set(scree_generation "${CMAKE_Fortran_COMPILER_VERSION}")
 foreach(kind language warning release debug sanitize wrap inline stack line)
    set(scree_${kind}_flags)
 endforeach()
+set(scree_layer_scope PUBLIC)
 
 if(scree_id STREQUAL "GNU")
    set(scree_compiler "gfortran")
@@ -41,6 +43,7 @@ if(scree_id STREQUAL "GNU")
    set(scree_inline_flags --param=max-inline-insns-auto=2000)
    set(scree_stack_flags -fstack-arrays)
    set(scree_line_flags -ffree-line-length-none)
+   set(scree_layer_scope PRIVATE)
 elseif(scree_id STREQUAL "LLVMFlang")
    set(scree_compiler "flang")
    # flang knows no older standard by name, and takes lines of any length.

@@ -3,8 +3,8 @@
 #
 #   scree_layer(particle USES base mesh material [LINKS scree_mpi] [EXTRA file] [ONCE])
 #
-# All links are private, so a folder sees the modules of the folders it names and of no other,
-# and a forbidden `use` does not compile. An installed library, scree::FOLDER, gives the modules of
+# With gfortran all links are private, so a folder sees the modules of the folders it names and of no
+# other, and a forbidden `use` does not compile. An installed library, scree::FOLDER, gives the modules of
 # its folder and of those that it uses.
 #
 # With SCREE_ARCH=dispatch a folder is compiled again for each processor of scree_processors, as
@@ -51,9 +51,9 @@ function(scree_layer_library target suffix modules)
    target_link_options(${target} INTERFACE "${scree_link_options}")
    foreach(lower IN LISTS layer_USES)
       if(TARGET scree_${lower}${suffix})
-         target_link_libraries(${target} PRIVATE scree_${lower}${suffix})
+         target_link_libraries(${target} ${scree_layer_scope} scree_${lower}${suffix})
       else()
-         target_link_libraries(${target} PRIVATE scree_${lower})
+         target_link_libraries(${target} ${scree_layer_scope} scree_${lower})
       endif()
    endforeach()
 endfunction()
