@@ -101,9 +101,9 @@ contains
          end do
          return
       end if
-      !$omp parallel default(none) shared(simulation, field, dt, worst) &
-      !$omp private(began, tile, mine, reach)
       mine = reach_t()
+      !$omp parallel default(none) shared(simulation, field, dt, worst) &
+      !$omp firstprivate(mine) private(began, tile, reach)
       !$omp do schedule(static)
       do tile = 1, simulation%space%tiles%own
          began = cost_clock(simulation%machine)

@@ -171,16 +171,16 @@ contains
          if (.not. conducts(simulation%materials, index)) cycle
          conductivity = simulation%materials(index)%heat%conductivity
          specific_heat = simulation%materials(index)%heat%specific_heat
-         associate (store => simulation%stores(index))
-            !$omp parallel do default(none) private(tile, p) reduction(max:greatest) &
-            !$omp shared(simulation, index, conductivity, specific_heat) schedule(static)
-            do tile = 1, size(simulation%stores(index)%count)
+         !$omp parallel do default(none) private(tile, p) reduction(max:greatest) &
+         !$omp shared(simulation, index, conductivity, specific_heat) schedule(static)
+         do tile = 1, size(simulation%stores(index)%count)
+            associate (store => simulation%stores(index))
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   greatest = max(greatest, conductivity*bulk_volume(store, p) &
                      /(store%state%mass(p)*specific_heat))
                end do
-            end do
-         end associate
+            end associate
+         end do
       end do
    end function greatest_diffusivity
 end module step_time_step
