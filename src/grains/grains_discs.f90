@@ -28,10 +28,10 @@ contains
       real(wp) :: dx, dy, reach
       integer :: pair, i, j
 
-      associate (h => box%edges)
-         !$omp parallel do default(none) shared(grains, box, law, time, dt, pairs) &
-         !$omp private(pair, i, j, dx, dy, reach) schedule(static)
-         do pair = 1, pairs%count
+      !$omp parallel do default(none) shared(grains, box, law, time, dt, pairs) &
+      !$omp private(pair, i, j, dx, dy, reach) schedule(static)
+      do pair = 1, pairs%count
+         associate (h => box%edges)
             i = pairs%first(pair)
             j = pairs%second(pair)
             dx = grains%position(1, j) - grains%position(1, i) + pairs%shift(1, pair)*h(1, 1) &
@@ -41,9 +41,9 @@ contains
             if (dx*dx + dy*dy >= reach*reach .and. .not. pairs%touches(pair)) cycle
             call push_pair(grains, box, law, time, dt, i, j, dx, dy, pairs%history(:, pair), &
                pairs%push(:, pair))
-         end do
-         !$omp end parallel do
-      end associate
+         end associate
+      end do
+      !$omp end parallel do
    end subroutine push_discs
 
    !> Force of one pair that touches or touched in the previous step.

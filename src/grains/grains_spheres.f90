@@ -28,10 +28,10 @@ contains
       real(wp) :: branch(3), reach
       integer :: pair, i, j
 
-      associate (h => box%edges, shift => pairs%shift)
-         !$omp parallel do default(none) shared(grains, box, law, time, dt, pairs) &
-         !$omp private(pair, i, j, branch, reach) schedule(static)
-         do pair = 1, pairs%count
+      !$omp parallel do default(none) shared(grains, box, law, time, dt, pairs) &
+      !$omp private(pair, i, j, branch, reach) schedule(static)
+      do pair = 1, pairs%count
+         associate (h => box%edges, shift => pairs%shift)
             i = pairs%first(pair)
             j = pairs%second(pair)
             branch(1) = grains%position(1, j) - grains%position(1, i) + shift(1, pair)*h(1, 1) &
@@ -44,9 +44,9 @@ contains
                .not. pairs%touches(pair)) cycle
             call push_pair(grains, box, law, time, dt, i, j, branch, pairs%history(:, pair), &
                pairs%push(:, pair))
-         end do
-         !$omp end parallel do
-      end associate
+         end associate
+      end do
+      !$omp end parallel do
    end subroutine push_spheres
 
    !> Force of one pair that touches or touched in the previous step.

@@ -21,7 +21,7 @@ module scene_particles
    use scene_contact, only: bond_stores, store_name
    use step_ledger, only: cross
    use step_normalised_sums, only: choose_normalised
-   use step_simulation, only: simulation_t, velocity_field_t
+   use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles, sort_particles
    use step_time_step, only: greatest_diffusivity, limit_step
    implicit none
@@ -103,8 +103,11 @@ contains
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)
       allocate (simulation%stores(size(simulation%materials)))
-      if (.not. allocated(simulation%effects%contact)) &
-         simulation%fields = [velocity_field_t(last_store=size(simulation%stores))]
+      if (.not. allocated(simulation%effects%contact)) then
+         if (allocated(simulation%fields)) deallocate (simulation%fields)
+         allocate (simulation%fields(1))
+         simulation%fields(1)%last_store = size(simulation%stores)
+      end if
       simulation%scheme%carries_energy = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
