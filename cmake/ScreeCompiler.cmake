@@ -8,7 +8,8 @@
 #   scree_stack_flags      arrays of variable size lie on the stack
 #   scree_line_flags       lines of any length, for tests that a program wrote
 # and scree_compiler, its name in reports, and scree_layer_scope: PRIVATE if the file of a module holds
-# all that its users need, PUBLIC if the compiler reads the modules that it uses too. doc/developer/platforms.md says which compilers were tried.
+# all that its users need, PUBLIC if the compiler also reads the files of the modules that it uses.
+# doc/developer/platforms.md says which compilers were tried.
 include(CheckFortranCompilerFlag)
 
 set(scree_id "${CMAKE_Fortran_COMPILER_ID}")
