@@ -40,7 +40,7 @@ module base_communicator
       integer :: size = 1                             !! Number of ranks
       type(mpi_comm), private :: handle = mpi_comm_world !! Communicator of MPI
       type(mpi_info), private :: hints = mpi_info_null !! For files that all ranks write
-      type(traffic_t) :: traffic                      !! Counts of messages
+      type(traffic_t) :: traffic = traffic_t()        !! Counts of messages
       integer(int64) :: memory = 0 !! Private memory just after MPI was started [byte]
       !> Numbers of collective calls and of the words of 8 bytes of their results; 0 or 1 in turn,
       !! for the message tag of the next exchange. Copies of a communicator share these, so that
