@@ -45,11 +45,11 @@ APT_OPTIONS = ('Acquire::Languages "none"', 'Acquire::Check-Valid-Until "false"'
 # heat, and equation of state with failure.
 SCENES = {"two_discs": ("time.max_steps=300",), "taylor_copper": ("time.max_steps=100",),
           "debris_cloud": ("time.max_steps=40",)}
-# HDF5 with the Fortran modules of flang, from the source package of the distribution.
+# HDF5 with the Fortran modules of flang, from the source package of Debian 13.
 HDF5_FLANG = r"""
 set -e
 test -f /opt/hdf5-{flang}/done && exit 0
-echo 'deb-src {mirror} {suite} main' > /etc/apt/sources.list.d/source.list
+echo 'deb-src {mirror} trixie main' > /etc/apt/sources.list.d/source.list
 apt-get update -qq && apt-get install -y -qq --no-install-recommends dpkg-dev gcc g++
 mkdir -p /opt/source && cd /opt/source && rm -rf hdf5-*/ && apt-get source -qq hdf5
 cmake -S hdf5-*/ -B build-{flang} -G Ninja -DCMAKE_INSTALL_PREFIX=/opt/hdf5-{flang} -DCMAKE_BUILD_TYPE=Release \
@@ -202,8 +202,7 @@ def prepare(place, cell):
     if set(place.labels) - {"unit"}:
         prepare_python(place, cell)
     if cell.is_flang:
-        place.inside(cell, "hdf5", HDF5_FLANG.format(flang=cell.command, mirror=MIRROR, suite=cell.suite,
-                                                     jobs=place.jobs))
+        place.inside(cell, "hdf5", HDF5_FLANG.format(flang=cell.command, mirror=MIRROR, jobs=place.jobs))
     packages = place.inside(cell, "versions", "dpkg-query -W -f='${Package} ${Version}\\n' " +
                             shlex.join(cell.packages))
     place.note(cell, packages=dict(line.split() for line in packages.splitlines() if len(line.split()) == 2))
