@@ -195,7 +195,7 @@ def arguments():
         parser.add_argument(f"--{word}", action="store_true")
     today = int(time.time() // DAY)
     parser.add_argument("--long-share", type=int, nargs="?", const=today % SHARES, choices=range(SHARES))
-    parser.add_argument("--minutes", type=float, default=70.0)
+    parser.add_argument("--minutes", type=float, default=65.0)
     for word in ("-R", "-E", "-L", "-LE"):
         parser.add_argument(word, dest="filters", action=Filter)
     parser.set_defaults(filters=[], day=today)

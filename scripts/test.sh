@@ -13,7 +13,7 @@
 #   --long-share [K]  also run a third of the long tests: K = 0, 1, 2 (default: changes every day);
 #                     tests without a recorded duration start last, and tests that do not finish in
 #                     time are listed
-#   --minutes N       time limit for all tests with --long-share (default 70)
+#   --minutes N       time limit for all tests with --long-share (default 65)
 #   --debug           build and test the Debug build, with bounds and floating point checks
 #   --no-setup        do not check for or install missing packages
 #   --record          write the duration of the tests to test/costs.csv
