@@ -5,8 +5,8 @@ module base_text
    implicit none
    private
 
-   public :: append, brief, buffer_t, closest, closest_meaning, distance, is_letter, join, lower, &
-      number, shortened, size_text, split, text_t
+   public :: append, brief, buffer_t, closest, closest_meaning, distance, is_letter, join, &
+      line_end, lower, number, shortened, size_text, split, text_t
 
    !> A text of any length, for arrays of texts.
    type :: text_t
@@ -121,6 +121,15 @@ contains
       end do
       short = text(:last)//"..."
    end function shortened
+
+   !> Last place of the line that begins at a place of a text; the text is not copied.
+   pure integer function line_end(text, first) result(last)
+      character(len=*), intent(in) :: text           !! Lines
+      integer, intent(in) :: first                   !! Place of the first letter of a line
+
+      last = first + index(text(first:), new_line("a")) - 2
+      if (last < first - 1) last = len(text)
+   end function line_end
 
    !> Words of a text that blanks separate.
    pure subroutine split(text, words)

@@ -142,9 +142,9 @@ contains
       integer(int8), contiguous, intent(in) :: plain(:)  !! Numbers, byte by byte
       integer, intent(in) :: width                       !! Bytes of a number
       integer(int8), contiguous, intent(inout) :: shuffled(:) !! The same bytes
-      integer(int64) :: numbers
+      integer :: numbers
 
-      numbers = size(plain, kind=int64)/width
+      numbers = size(plain)/width
       select case (width)
       case (4)
          call shuffle_numbers(4, numbers, plain, shuffled)
@@ -158,11 +158,10 @@ contains
    !> Sort the bytes of numbers; the width is a constant where this is inlined.
    pure subroutine shuffle_numbers(width, numbers, plain, shuffled)
       integer, intent(in) :: width                       !! Bytes of a number
-      integer(int64), intent(in) :: numbers              !! Number of numbers
+      integer, intent(in) :: numbers                     !! Number of numbers
       integer(int8), intent(in) :: plain(width, numbers) !! (byte, number)
       integer(int8), intent(inout) :: shuffled(numbers, width) !! (number, byte)
-      integer(int64) :: n
-      integer :: byte
+      integer :: n, byte
 
       do byte = 1, width
          !$omp simd

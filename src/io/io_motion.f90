@@ -5,7 +5,7 @@ module io_motion
    use base_decimal, only: file_numbers, without_commas
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: wp
-   use base_text, only: number, shortened
+   use base_text, only: line_end, number, shortened
    implicit none
    private
 
@@ -47,7 +47,7 @@ contains
       row = 0
       entries = 0
       do while (first <= len(text))
-         last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
+         last = line_end(text, first)
          line = without_commas(text(first:last))
          first = last + 2
          row = row + 1

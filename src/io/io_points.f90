@@ -5,7 +5,7 @@ module io_points
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
-   use base_text, only: closest, number, shortened, text_t
+   use base_text, only: closest, line_end, number, shortened, text_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    implicit none
@@ -61,7 +61,7 @@ contains
       row = 0
       first = 1
       do while (first <= len(text))
-         last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
+         last = line_end(text, first)
          line = plain(text(first:last))
          first = last + 2
          lines = lines + 1

@@ -4,7 +4,7 @@ module io_stl
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
-   use base_text, only: number, shortened, split, text_t
+   use base_text, only: line_end, number, shortened, split, text_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: real32
    implicit none
@@ -113,7 +113,7 @@ contains
       facets = 0
       corners = 3
       do while (first <= len(text))
-         last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
+         last = line_end(text, first)
          line = text(first:last)
          first = last + 2
          row = row + 1

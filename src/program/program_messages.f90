@@ -4,7 +4,7 @@
 !! text when it is printed, so the procedures that report errors do not contain codes.
 module program_messages
    use base_error, only: error_t, exit_input, fail
-   use base_text, only: append, buffer_t, join, lower, split, text_t
+   use base_text, only: append, buffer_t, join, line_end, lower, split, text_t
    use program_message_table, only: example_lines, line_length, message_codes, message_lines
    implicit none
    private
@@ -37,7 +37,7 @@ contains
       hint = ""
       first = 1
       do while (first <= len(text))
-         last = first + index(text(first:)//newline, newline) - 2
+         last = line_end(text, first)
          which = find_message(messages, text(first:last))
          call buffer%add(text(first:last))
          if (which > 0) then

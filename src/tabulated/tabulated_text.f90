@@ -6,7 +6,7 @@ module tabulated_text
    use base_decimal, only: file_numbers, without_commas
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: wp
-   use base_text, only: brief, number, shortened
+   use base_text, only: brief, line_end, number, shortened
    use tabulated_states, only: state_table_t
    implicit none
    private
@@ -59,7 +59,7 @@ contains
       first = 1
       row = 0
       do while (first <= len(text))
-         last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
+         last = line_end(text, first)
          line = without_commas(text(first:last))
          first = last + 2
          row = row + 1
