@@ -72,8 +72,8 @@ else()
    endif()
 endif()
 
-if(NOT scree_id STREQUAL "GNU")
-   message(WARNING "Scree is tested with gfortran; ${scree_compiler} ${scree_generation} is untried. "
+if(NOT scree_id MATCHES "^(GNU|LLVMFlang)$")
+   message(WARNING "Scree is tested with gfortran and LLVM flang; ${scree_compiler} ${scree_generation} is untried. "
       "FC=gfortran and a new build folder choose gfortran.")
 endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Sanitize" AND NOT scree_sanitize_flags)
