@@ -32,7 +32,7 @@ contains
       character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: path               !! For messages
       type(meaning_t), intent(in) :: meaning             !! For messages
-      real(wp), allocatable, intent(out) :: time(:)      !! As written
+      real(wp), allocatable, intent(out) :: time(:)      !! As written; not allocated if there is an error
       real(wp), allocatable, intent(out) :: velocity(:, :) !! (3, entry) As written
       type(error_t), allocatable, intent(out) :: error   !! A line is not valid
       character(len=:), allocatable :: line
@@ -70,8 +70,11 @@ contains
          entries = entries + 1
          entries_read(:, entries) = values
       end do
-      if (entries == 0) call fail_reading(error, path, meaning, &
-         "it holds no line of four numbers "//trim(meaning%columns))
+      if (entries == 0) then
+         call fail_reading(error, path, meaning, &
+            "it holds no line of four numbers "//trim(meaning%columns))
+         return
+      end if
       time = entries_read(1, :entries)
       velocity = entries_read(2:, :entries)
    end subroutine read_motion
