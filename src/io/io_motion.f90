@@ -32,7 +32,7 @@ contains
       character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: path               !! For messages
       type(meaning_t), intent(in) :: meaning             !! For messages
-      real(wp), allocatable, intent(out) :: time(:)      !! As written; not allocated if there is an error
+      real(wp), allocatable, intent(out) :: time(:)      !! As written; unset on an error
       real(wp), allocatable, intent(out) :: velocity(:, :) !! (3, entry) As written
       type(error_t), allocatable, intent(out) :: error   !! A line is not valid
       character(len=:), allocatable :: line

@@ -17,7 +17,7 @@ than the target. Two cases on the region with friction miss it: gimp with usl, w
 usf, which creates energy: known misses, held at twice the target. The speed is that of theory within 1 % of g t, the
 target (H-26 in test/hard/README.md).
 """
-# timeout: 120
+# timeout: 300
 
 import numpy as np
 import pytest

@@ -6,7 +6,7 @@ ghosts that differ from the tiles of the owner, any data missing in a checkpoint
 field. Controls: the state differs from that at the start, runs make many steps, particles cross tiles and borders of
 ranks, and the digest changes when one velocity changes in its last bit.
 """
-# timeout: 400
+# timeout: 900
 # cores: 2
 
 import numpy as np
