@@ -144,7 +144,7 @@ contains
       integer(int8), contiguous, intent(inout) :: shuffled(:) !! The same bytes
       integer :: numbers
 
-      numbers = size(plain)/width
+      numbers = int(size(plain, kind=int64)/width)
       select case (width)
       case (4)
          call shuffle_numbers(4, numbers, plain, shuffled)

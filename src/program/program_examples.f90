@@ -2,7 +2,7 @@
 !> The examples of the program: their list, and copies in new folders.
 module program_examples
    use base_error, only: error_t, exit_file, exit_input, fail
-   use base_text, only: append, closest, join, text_t
+   use base_text, only: append, closest, join, line_end, text_t
    use base_version, only: share_folder
    use io_file, only: file_exists, folder_of, join_path, list_folder, longest_name, make_folder, &
       program_path, read_file, write_file
@@ -176,7 +176,7 @@ contains
       do
          first = index(text, measuring)
          if (first == 0) exit
-         text = text(:first - 1)//text(first + index(text(first + 1:)//newline, newline):)
+         text = text(:first - 1)//text(line_end(text, first + 1) + 1:)
       end do
       do
          first = index(text, outside)
