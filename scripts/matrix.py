@@ -190,10 +190,9 @@ def prepare(place, cell):
     """System, packages, clone of the repository, Python environment, and HDF5 for flang."""
     system = place.folder / cell.suite
     if not (system / "etc/debian_version").is_file():
+        # the options are kept in the system, for the packages that follow
         subprocess.run(["mmdebstrap", "--mode=root", "--variant=minbase", "--include=ca-certificates",
                         *(f"--aptopt={option}" for option in APT_OPTIONS), cell.suite, str(system), MIRROR], check=True)
-    (system / "etc/apt/apt.conf.d/99matrix").write_text("".join(f"{option};\n" for option in APT_OPTIONS),
-                                                        encoding="utf-8")
     wanted = shlex.join([*PACKAGES, *cell.packages])
     place.inside(cell, "packages", "set -e\nmissing=\n"
                  f"for one in {wanted}; do dpkg -s $one > /dev/null 2>&1 || missing=\"$missing $one\"; done\n"

@@ -16,11 +16,12 @@ module io_hdf5
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dont_atexit_f, h5eset_auto_f, &
-      h5f_acc_trunc_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, &
-      h5gcreate_f, h5iis_valid_f, h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, &
-      h5p_file_create_f, h5pclose_f, h5pcreate_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
-      h5screate_simple_f, h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, &
-      h5tclose_f, h5tcopy_f, h5tset_size_f, hid_t, hsize_t, size_t
+      h5f_acc_trunc_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_scope_global_f, h5fclose_f, &
+      h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, h5oclose_f, h5oopen_f, &
+      h5open_f, h5p_file_access_f, h5p_file_create_f, h5pclose_f, h5pcreate_f, &
+      h5pset_libver_bounds_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+      h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, h5tclose_f, h5tcopy_f, &
+      h5tset_size_f, hid_t, hsize_t, size_t
    use io_file, only: folder_of, remove_file, rename_file, reserve_file, sync_file, sync_folder, &
       truncate_file
    use io_hdf5_ranks, only: open_on_all_ranks
@@ -109,6 +110,9 @@ contains
       call start_library(status)
       call h5pcreate_f(h5p_file_access_f, access_list, status)
       call open_on_all_ranks(communicator, access_list)
+      ! HDF5 2 by default writes groups that older versions do not read, with positions that differ
+      ! between one rank and several
+      call h5pset_libver_bounds_f(access_list, h5f_libver_earliest_f, h5f_libver_latest_f, status)
       call h5pcreate_f(h5p_file_create_f, plan, status)
       ! if HDF5 reused free space, the position of a moved chunk would depend on the ranks
       status = c_file_space_strategy(plan, never_again, .false._c_bool, 1_hsize_t)

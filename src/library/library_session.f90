@@ -8,7 +8,8 @@ module library_session
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use program_command_line, only: command_t, parse_command_line
+   use program_command, only: command_t
+   use program_command_line, only: parse_command_line
    use program_run_setup, only: build_setup, read_setup
    use program_messages, only: add_codes, with_code
    use program_session, only: advance_run, begin_run, end_run, limit_threads, session_t

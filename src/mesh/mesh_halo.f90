@@ -11,7 +11,8 @@ module mesh_halo
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
-   use mesh_packed_patch, only: node_boxes_t, packed_patch_t
+   use mesh_node_boxes, only: node_boxes_t
+   use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: ensure_patch, extent_of
    use mesh_tiles, only: neighbors, tiles_t
    implicit none

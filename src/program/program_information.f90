@@ -10,7 +10,7 @@ module program_information
       git_commit, version_text
    use io_digest, only: file_digest
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use program_command_line, only: information_request_t
+   use program_command, only: information_request_t
    use program_examples, only: examples_text
    use program_help, only: help_text
    use program_lists, only: list_text

@@ -15,7 +15,7 @@ module program_run_setup
    use output_description, only: describe_simulation
    use output_streams, only: outputs_t
    use particle_fill, only: body_t
-   use program_command_line, only: command_t
+   use program_command, only: command_t
    use program_expected_steps, only: expected_steps
    use program_material_point, only: declare_point, make_scene_optional
    use program_run_limits, only: limits_t, read_limits

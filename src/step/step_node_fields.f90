@@ -7,7 +7,8 @@
 !! allocated.
 module step_node_fields
    use base_kinds, only: int64, wp
-   use mesh_packed_patch, only: node_boxes_t, packed_patch_t
+   use mesh_node_boxes, only: node_boxes_t
+   use mesh_packed_patch, only: packed_patch_t
    use omp_lib, only: omp_get_thread_num
    use transfer_edges, only: cell_edges
    use transfer_scatter, only: dual_columns

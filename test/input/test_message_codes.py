@@ -28,7 +28,7 @@ BEFORE = {"io_stl": "cannot read the facets of '...': ", "io_points": "cannot re
 COMPOSED = {
     ("base_deck_number", "must be ..."), ("base_deck_value", "...;"), ("base_deck_define", "...;"),
     ("base_deck_number", "... such as"), ("io_fields", "output field '...' ..."), ("io_restart", "step and time"),
-    ("output_history_columns", "output field '...' ..."), ("program_command_line", "command line: error: ..."),
+    ("output_history_columns", "output field '...' ..."), ("program_command", "command line: error: ..."),
     ("program_time_loop", "warning: ... before t_end"), ("scene_velocity_formula", "... in its component"),
     ("output_history_columns", "...;"), ("output_history_columns", "is unknown in a history"),
     ("step_trust", "...;"), ("step_trust", "...: they no longer")}
