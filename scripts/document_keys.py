@@ -7,6 +7,7 @@
 Only the standard library is needed.
 """
 import argparse
+import itertools
 import re
 import subprocess
 import sys
@@ -82,12 +83,12 @@ def document(program):
         said = ask(program, "--explain", group)
         # if a key has the same name as a group, the program explains both
         place = next(n for n, line in enumerate(said) if line.startswith(f"&{group} "))
-        head, keys = said[place:place + 2]
-        lines += [f"## &{group}", "", sentence(head.split(None, 1)[1]), ""]
-        if len(keys.split()) == 1:
+        lines += [f"## &{group}", "", sentence(said[place].split(None, 1)[1]), ""]
+        keys = [line.split()[0] for line in itertools.takewhile(lambda line: line.startswith(" "), said[place + 1:])]
+        if not keys:
             continue
         lines += ["| key | kind, range | default | meaning |", "|---|---|---|---|"]
-        lines += [row(program, group, key) for key in keys.split()[1:]]
+        lines += [row(program, group, key) for key in keys]
         lines.append("")
     return "\n".join(lines)
 

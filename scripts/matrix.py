@@ -217,13 +217,15 @@ def prepare_python(place, cell):
                  "cp pyproject.toml /opt/venv/requirements.stamp")
 
 
-def renew_clone(place, cell):
-    """The committed state of this repository in the system; its commit."""
+def renew_clone(place, cell, built=False):
+    """The committed state of this repository in the system, or that of which the cell was built; its commit."""
     clone = place.folder / cell.suite / "opt/scree"
     if not clone.is_dir():
         subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", str(ROOT), str(clone)], check=True)
-    commit = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], stdout=subprocess.PIPE, text=True,
-                            check=True).stdout.strip()
+    commit = place.result(cell).get("commit") if built else None
+    if commit is None:
+        commit = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], stdout=subprocess.PIPE, text=True,
+                                check=True).stdout.strip()
     for words in (("fetch", "--quiet", str(ROOT), commit), ("checkout", "--quiet", "--force", "--detach", commit)):
         subprocess.run(["git", "-C", str(clone), *words], check=True)
     link = clone / "build/venv"
@@ -250,7 +252,7 @@ def build(place, cell):
 
 def digests(place, cell):
     """Digests of the scenes, on one rank and, with MPI, on two."""
-    renew_clone(place, cell)
+    renew_clone(place, cell, built=True)
     environment = "OMP_NUM_THREADS=2 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 " \
         "OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe "
     found = {}
@@ -269,7 +271,7 @@ def digests(place, cell):
 
 def smoke(place, cell):
     """Tests of the tier smoke, one label after the other."""
-    renew_clone(place, cell)
+    renew_clone(place, cell, built=True)
     for label in place.labels:
         words = f"--smoke --folder build/{cell.name} --jobs {place.test_jobs} -L '^{label}$'"
         said = place.inside(cell, f"smoke.{label}", "cd /opt/scree && python3 scripts/run_tests.py " +

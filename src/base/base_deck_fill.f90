@@ -8,11 +8,12 @@ module base_deck_fill
    use base_namelist, only: as_written, block_t, namelist_t, piece_t, token_t
    use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
       schema_t
+   use base_schema_text, only: suggested_key
    use base_text, only: closest, join, number, shortened
    implicit none
    private
 
-   public :: fill_defaults, fill_groups, start_group, store, report_unknown_key, written
+   public :: fill_defaults, fill_groups, start_group, store, unknown_key, written
 
    integer, parameter :: longest_quotation = 60          !! Longer values are cut in messages
 
@@ -47,7 +48,7 @@ contains
             end if
             filled = filled + 1
             call start_group(schema%groups(rule), counts(rule), groups(filled))
-            call fill_group(schema%groups(rule), block, definitions, system, problems, &
+            call fill_group(schema, schema%groups(rule), block, definitions, system, problems, &
                groups(filled))
          end associate
       end do
@@ -63,6 +64,16 @@ contains
       if (text == "") text = "; there are: "//join(schema%names(), " ")
       text = "unknown group &"//name//text
    end function unknown_group
+
+   !> Error message for a key that does not exist, with the one that was probably meant.
+   function unknown_key(schema, rule, key) result(text)
+      type(schema_t), intent(in) :: schema               !! All groups
+      type(group_rule_t), intent(in) :: rule             !! Group in which the key was written
+      character(len=*), intent(in) :: key                !! Text as written
+      character(len=:), allocatable :: text
+
+      text = "&"//rule%name//": unknown key '"//key//"'"//suggested_key(schema, rule, key)
+   end function unknown_key
 
    !> A suggestion at the end of a message, empty if there is none.
    pure function meant(before, near, after) result(question)
@@ -93,7 +104,8 @@ contains
    end subroutine start_group
 
    !> Store the assignments of a block in its group.
-   subroutine fill_group(rule, block, definitions, system, problems, group)
+   subroutine fill_group(schema, rule, block, definitions, system, problems, group)
+      type(schema_t), intent(in) :: schema               !! All groups, for a suggestion
       type(group_rule_t), intent(in) :: rule             !! Allowed keys
       type(block_t), intent(in) :: block                 !! Block of the deck
       type(definitions_t), intent(in) :: definitions     !! Names in expressions
@@ -112,7 +124,7 @@ contains
             place = rule%find(piece%key)
             if (piece%key == "") cycle
             if (place == 0) then
-               call report_unknown_key(rule, piece%key, block%file, piece%line, problems)
+               call problems%error(block%file, piece%line, unknown_key(schema, rule, piece%key))
                cycle
             end if
             if (group%values(place)%given .and. piece%subscript == "") then
@@ -127,20 +139,6 @@ contains
          end associate
       end do
    end subroutine fill_group
-
-   !> Report a key that does not exist, with the closest one that does.
-   subroutine report_unknown_key(rule, key, file, line, problems)
-      type(group_rule_t), intent(in) :: rule             !! Allowed values
-      character(len=*), intent(in) :: key                !! Text as written
-      character(len=*), intent(in) :: file               !! File, or the command line
-      integer, intent(in) :: line                        !! Line of the file, 0 = none
-      type(problems_t), intent(inout) :: problems        !! Gets the error
-      character(len=:), allocatable :: text
-
-      text = meant("'", closest(key, rule%names()), "'")
-      if (text == "") text = "; scree --explain "//rule%name//" lists the keys"
-      call problems%error(file, line, "&"//rule%name//": unknown key '"//key//"'"//text)
-   end subroutine report_unknown_key
 
    !> Convert a piece and keep its value.
    subroutine store(rule, place, piece, file, system, problems, group)

@@ -3,7 +3,7 @@
 !! GROUP.KEY`, which removes it.
 module base_deck_override
    use base_deck_define, only: definitions_t, scan_value
-   use base_deck_fill, only: report_unknown_key, start_group, store
+   use base_deck_fill, only: start_group, store, unknown_key
    use base_deck_group, only: group_t
    use base_deck_problems, only: command_line, problems_t
    use base_deck_value, only: value_t
@@ -61,7 +61,7 @@ contains
       end if
       place = schema%groups(rule)%find(key(:index(key//"(", "(") - 1))
       if (place == 0) then
-         call report_unknown_key(schema%groups(rule), key, command_line, 0, problems)
+         call problems%error(command_line, 0, unknown_key(schema, schema%groups(rule), key))
          return
       end if
       call choose(schema%groups(rule), choice, problems, groups, filled, which)

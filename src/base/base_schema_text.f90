@@ -1,19 +1,21 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The schema of decks as text: one key explained, or all keys as a template.
+!> The schema of decks as text: one key explained, all keys as a template, the key that was meant.
 module base_schema_text
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
    use base_preset, only: preset_t
    use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
       schema_t
-   use base_text, only: append, buffer_t, closest, join, lower, number, split, text_t
+   use base_text, only: append, buffer_t, closest, distance, join, lower, number, shared_words, &
+      split, text_t
    implicit none
    private
 
-   public :: explain, template
+   public :: explain, suggested_key, template
 
    character(len=*), parameter :: newline = new_line("a")
    integer, parameter :: comment_column = 40 !! First column of comments after short lines
+   integer, parameter :: longest_word = 64   !! Longer ones are compared with nothing
 
 contains
 
@@ -85,16 +87,94 @@ contains
       end do
    end subroutine explain_preset
 
-   !> A group: its meaning and its keys.
+   !> A group: its meaning, and its keys with theirs.
    subroutine explain_group(rule, buffer)
       type(group_rule_t), intent(in) :: rule
       type(buffer_t), intent(inout) :: buffer            !! Extended by the text
+      integer, parameter :: column = 20                  ! where the meanings begin
+      integer :: i
 
       call buffer%add("&"//rule%name//"  "//rule%doc)
       if (rule%many) call buffer%add("; may be repeated")
       call buffer%line("")
-      call buffer%line("   keys: "//join(rule%names(), " "))
+      do i = 1, size(rule%keys)
+         associate (key => rule%keys(i))
+            call buffer%line("   "//key%name//repeat(" ", max(column - len(key%name), 1))//key%doc)
+         end associate
+      end do
    end subroutine explain_group
+
+   !> The key that was probably meant by an unknown one, as the end of a message.
+   function suggested_key(schema, rule, key) result(text)
+      type(schema_t), intent(in) :: schema               !! All groups
+      type(group_rule_t), intent(in) :: rule             !! Group in which the key was written
+      character(len=*), intent(in) :: key                !! Text as written
+      character(len=:), allocatable :: text
+
+      text = closest(key, rule%names())
+      if (text /= "") text = "; did you mean '"//text//"'?"
+      if (text == "") text = key_by_meaning(rule, key, least=1)
+      if (text == "") text = key_of_others(schema, key, errors=0)
+      if (text == "") text = key_by_meaning(rule, key, least=0)
+      if (text == "") text = key_of_others(schema, key, errors=1)
+      if (text == "") text = "; scree --explain "//rule%name//" lists the keys"
+   end function suggested_key
+
+   !> The key of a group whose name and meaning contain all words of an unknown one: most of them in
+   !! the name, then the name with the fewest words. The text is empty if there is none.
+   function key_by_meaning(rule, key, least) result(text)
+      type(group_rule_t), intent(in) :: rule             !! Group in which the key was written
+      character(len=*), intent(in) :: key                !! Text as written
+      integer, intent(in) :: least                       !! Words that the name must contain
+      character(len=:), allocatable :: text
+      integer :: best, fewest, i, most, named, parts, words
+
+      text = ""
+      words = shared_words(key, key)
+      if (words == 0 .or. len(key) < 2 .or. len(key) > longest_word) return
+      best = 0
+      most = least
+      fewest = huge(fewest)
+      do i = 1, size(rule%keys)
+         associate (known => rule%keys(i))
+            if (shared_words(key, known%name//" "//known%doc) < words) cycle
+            named = shared_words(key, known%name)
+            parts = shared_words(known%name, known%name)
+            if (named < most .or. (named == most .and. parts >= fewest)) cycle
+            best = i
+            most = named
+            fewest = parts
+         end associate
+      end do
+      if (best == 0) return
+      text = "; did you mean '"//rule%keys(best)%name//"' ("//rule%keys(best)%doc//")?"
+   end function key_by_meaning
+
+   !> A key of other groups, with the names of these. The text is empty if there is none.
+   function key_of_others(schema, key, errors) result(text)
+      type(schema_t), intent(in) :: schema               !! All groups
+      character(len=*), intent(in) :: key                !! Text as written
+      integer, intent(in) :: errors                      !! Wrong letters in it
+      character(len=:), allocatable :: text
+      type(text_t), allocatable :: groups(:)
+      integer, parameter :: shortest = 4                 ! word that may have a wrong letter
+      character(len=:), allocatable :: found
+      integer :: i, k
+
+      text = ""
+      if (len(key) > longest_word .or. (errors > 0 .and. len(key) < shortest)) return
+      allocate (groups(0))
+      do i = 1, size(schema%groups)
+         do k = 1, size(schema%groups(i)%keys)
+            associate (name => schema%groups(i)%keys(k)%name)
+               if (distance(key, name) /= errors) cycle
+               if (size(groups) == 0) found = name
+               if (name == found) call append(groups, "&"//schema%groups(i)%name)
+            end associate
+         end do
+      end do
+      if (size(groups) > 0) text = "; did you mean '"//found//"' of "//join(groups, " or ")//"?"
+   end function key_of_others
 
    !> A key: kind, unit, range, default, words, conditions.
    subroutine explain_key(key, buffer)

@@ -6,7 +6,7 @@ module base_text
    private
 
    public :: append, brief, buffer_t, closest, closest_meaning, distance, is_letter, join, &
-      line_end, lower, number, shortened, size_text, split, text_t
+      line_end, lower, number, shared_words, shortened, size_text, split, text_t
 
    !> A text of any length, for arrays of texts.
    type :: text_t
@@ -217,29 +217,38 @@ contains
       character(len=*), intent(in) :: word               !! Text of the user
       type(text_t), intent(in) :: meanings(:)            !! A name and what it means
       character(len=:), allocatable :: best
-      type(text_t), allocatable :: parts(:), words(:)
-      integer :: i, j, k, most, shared
+      integer :: i, most, shared
 
       best = ""
       most = 0
       if (len(word) > 64) return
-      call split(word_parts(word), parts)
       do i = 1, size(meanings)
-         call split(word_parts(meanings(i)%text), words)
-         shared = 0
-         do j = 1, size(parts)
-            do k = 1, size(words)
-               if (.not. are_similar(parts(j)%text, words(k)%text)) cycle
-               shared = shared + 1
-               exit
-            end do
-         end do
+         shared = shared_words(word, meanings(i)%text)
          if (shared <= most) cycle
          most = shared
          best = meanings(i)%text
       end do
       best = best(:index(best//" ", " ") - 1)
    end function closest_meaning
+
+   !> The number of words of a text that another one contains, but for typing errors.
+   pure integer function shared_words(text, other) result(shared)
+      character(len=*), intent(in) :: text               !! Words, also joined by underscores
+      character(len=*), intent(in) :: other              !! Is searched for them
+      type(text_t), allocatable :: parts(:), words(:)
+      integer :: j, k
+
+      call split(word_parts(text), parts)
+      call split(word_parts(other), words)
+      shared = 0
+      do j = 1, size(parts)
+         do k = 1, size(words)
+            if (.not. are_similar(parts(j)%text, words(k)%text)) cycle
+            shared = shared + 1
+            exit
+         end do
+      end do
+   end function shared_words
 
    !> A text in lower case with blanks for signs, and between letters and digits.
    pure function word_parts(text) result(words)

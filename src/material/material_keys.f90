@@ -53,19 +53,20 @@ contains
    subroutine declare_elasticity(schema)
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("material", "density", "density in the reference state", unit="kg/m3", &
+      call schema%real("material", "density", "density rho in the reference state", unit="kg/m3", &
          range="> 0")
       call schema%text("material", "elastic", "elastic deviator of stress; none: a fluid", &
          default="isotropic", words="isotropic none", owner="effects.strength")
-      call schema%real("material", "young", "Young's modulus, with poisson", unit="Pa", range="> 0")
-      call schema%real("material", "poisson", "Poisson's ratio, with young", range="> -1 < 0.5")
+      call schema%real("material", "young", "Young's modulus E, with poisson", unit="Pa", &
+         range="> 0")
+      call schema%real("material", "poisson", "Poisson's ratio nu, with young", range="> -1 < 0.5")
       call schema%explain_range("material", "poisson", "0.5 makes the wave speed infinite, "// &
          "nearly incompressible material has about 0.49")
-      call schema%real("material", "bulk", "bulk modulus, with shear, instead of young and "// &
+      call schema%real("material", "bulk", "bulk modulus K, with shear, instead of young and "// &
          "poisson", unit="Pa", range="> 0")
       call schema%real("material", "shear", &
-         "shear modulus, with bulk, or alone where the equation of state gives the bulk modulus", &
-         unit="Pa", range="> 0", owner="effects.strength & elastic = isotropic")
+         "shear modulus G, with bulk, or alone where the equation of state gives the bulk "// &
+         "modulus", unit="Pa", range="> 0", owner="effects.strength & elastic = isotropic")
       call schema%text("material", "eos_model", "equation of state", default="linear", &
          owner="effects.eos")
       call schema%words("material", "eos_model", eos_names)

@@ -31,8 +31,9 @@ contains
    subroutine declare_schedule(schema)
       type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
-      call schema%real("output", "dt", "time between two outputs", unit="s", range="> 0")
-      call schema%integer("output", "every", "steps between two outputs", range="> 0")
+      call schema%real("output", "dt", "interval of time between two outputs", unit="s", &
+         range="> 0")
+      call schema%integer("output", "every", "interval in steps between two outputs", range="> 0")
       call schema%real("output", "times(:50)", "output times", unit="s", range=">= 0")
       call schema%integer("output", "count", "number of outputs, evenly spaced over t_end", &
          range="> 0")

@@ -25,8 +25,9 @@ contains
       call schema%group("grid", "background grid")
       call schema%real("grid", "lo(3)", "lower corner", unit="m")
       call schema%real("grid", "hi(3)", "upper corner", unit="m")
-      call schema%real("grid", "dx", "edge length of a cell; (hi-lo)/dx must be an integer", &
-         unit="m", range="> 0")
+      call schema%real("grid", "dx", &
+         "cell size, the spacing of the nodes; (hi-lo)/dx must be an integer", unit="m", &
+         range="> 0")
       call schema%integer("grid", "cells(3)", "number of cells along x, y, z, instead of dx", &
          range="> 0")
       call schema%integer("grid", "block", &

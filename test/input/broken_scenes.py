@@ -49,7 +49,7 @@ CONTRADICTIONS = [
      "&region name = 'ball' shape = 'sphere' centre = 0 0 0 radius = 1 /\n&region", 7,
      "&region 'ball': the name is taken by the &region of deck.nml:6"),
     ("plain", "density = 2700", "", 4,
-     "&material 'metal': density must be given (density in the reference state)"),
+     "&material 'metal': density must be given (density rho in the reference state)"),
     ("plain", "name = 'metal'", "", 4, "&material: name must be given (name of the material, for bodies)"),
     ("plain", "young = 70e9", "", 5,
      "&material 'metal': young must be set [Pa], as poisson is given"),
