@@ -8,12 +8,12 @@ module base_deck_fill
    use base_namelist, only: as_written, block_t, namelist_t, piece_t, token_t
    use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
       schema_t
-   use base_schema_text, only: suggested_key
-   use base_text, only: closest, join, number, shortened
+   use base_schema_text, only: unknown_group, unknown_key
+   use base_text, only: join, number, shortened
    implicit none
    private
 
-   public :: fill_defaults, fill_groups, start_group, store, unknown_key, written
+   public :: fill_defaults, fill_groups, start_group, store, written
 
    integer, parameter :: longest_quotation = 60          !! Longer values are cut in messages
 
@@ -53,38 +53,6 @@ contains
          end associate
       end do
    end subroutine fill_groups
-
-   !> Error message for a group that does not exist.
-   function unknown_group(schema, name) result(text)
-      type(schema_t), intent(in) :: schema               !! Allowed values
-      character(len=*), intent(in) :: name               !! Text as written
-      character(len=:), allocatable :: text
-
-      text = meant("&", closest(name, schema%names()), "")
-      if (text == "") text = "; there are: "//join(schema%names(), " ")
-      text = "unknown group &"//name//text
-   end function unknown_group
-
-   !> Error message for a key that does not exist, with the one that was probably meant.
-   function unknown_key(schema, rule, key) result(text)
-      type(schema_t), intent(in) :: schema               !! All groups
-      type(group_rule_t), intent(in) :: rule             !! Group in which the key was written
-      character(len=*), intent(in) :: key                !! Text as written
-      character(len=:), allocatable :: text
-
-      text = "&"//rule%name//": unknown key '"//key//"'"//suggested_key(schema, rule, key)
-   end function unknown_key
-
-   !> A suggestion at the end of a message, empty if there is none.
-   pure function meant(before, near, after) result(question)
-      character(len=*), intent(in) :: before             !! Precedes the suggestion
-      character(len=*), intent(in) :: near               !! The suggestion, may be empty
-      character(len=*), intent(in) :: after              !! Follows the suggestion
-      character(len=:), allocatable :: question
-
-      question = ""
-      if (near /= "") question = "; did you mean "//before//near//after//"?"
-   end function meant
 
    !> Make a group with all its keys and no values.
    subroutine start_group(rule, place, group)

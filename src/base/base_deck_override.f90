@@ -3,12 +3,13 @@
 !! GROUP.KEY`, which removes it.
 module base_deck_override
    use base_deck_define, only: definitions_t, scan_value
-   use base_deck_fill, only: start_group, store, unknown_key
+   use base_deck_fill, only: start_group, store
    use base_deck_group, only: group_t
    use base_deck_problems, only: command_line, problems_t
    use base_deck_value, only: value_t
    use base_namelist, only: piece_t, token_t
    use base_schema, only: group_rule_t, kind_text, schema_t
+   use base_schema_text, only: unknown_group, unknown_key
    use base_text, only: append, closest, join, lower, number, text_t
    implicit none
    private
@@ -56,7 +57,7 @@ contains
       end if
       rule = schema%find(group)
       if (rule == 0) then
-         call unknown_group(schema, group, problems)
+         call problems%error(command_line, 0, unknown_group(schema, group))
          return
       end if
       place = schema%groups(rule)%find(key(:index(key//"(", "(") - 1))
@@ -77,18 +78,6 @@ contains
       call put(schema%groups(rule), place, key, value, definitions, system, &
          problems, groups(which))
    end subroutine override
-
-   !> Report that there is no such group.
-   subroutine unknown_group(schema, group, problems)
-      type(schema_t), intent(in) :: schema               !! Allowed values
-      character(len=*), intent(in) :: group              !! Text as written
-      type(problems_t), intent(inout) :: problems        !! Gets the error
-      character(len=:), allocatable :: near
-
-      near = closest(group, schema%names())
-      if (near /= "") near = "; did you mean &"//near//"?"
-      call problems%error(command_line, 0, "unknown group &"//group//near)
-   end subroutine unknown_group
 
    !> Split GROUP[CHOICE].KEY=VALUE into its parts. The key is empty if the text does not have this
    !! form.

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The schema of decks as text: one key explained, all keys as a template, the key that was meant.
+!> The schema of decks as text: one key explained, all keys as a template, and messages for unknown
+!! groups and keys.
 module base_schema_text
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
@@ -11,7 +12,7 @@ module base_schema_text
    implicit none
    private
 
-   public :: explain, suggested_key, template
+   public :: explain, template, unknown_group, unknown_key
 
    character(len=*), parameter :: newline = new_line("a")
    integer, parameter :: comment_column = 40 !! First column of comments after short lines
@@ -104,8 +105,28 @@ contains
       end do
    end subroutine explain_group
 
-   !> The key that was probably meant by an unknown one, as the end of a message.
-   function suggested_key(schema, rule, key) result(text)
+   !> Error message for a group that does not exist, with what was probably meant.
+   function unknown_group(schema, name) result(text)
+      type(schema_t), intent(in) :: schema               !! All groups
+      character(len=*), intent(in) :: name               !! Text as written
+      character(len=:), allocatable :: text
+      integer :: i
+
+      text = key_of_others(schema, name, errors=0)
+      if (text == "") text = closest(name, schema%names())
+      if (text /= "" .and. text(:1) /= ";") text = "; did you mean &"//text//"?"
+      do i = 1, size(schema%groups)
+         associate (rule => schema%groups(i))
+            if (text == "" .and. has_all_words(name, rule%name//" "//rule%doc)) &
+               text = "; did you mean &"//rule%name//" ("//rule%doc//")?"
+         end associate
+      end do
+      if (text == "") text = "; there are: "//join(schema%names(), " ")
+      text = "unknown group &"//name//text
+   end function unknown_group
+
+   !> Error message for a key that does not exist, with the one that was probably meant.
+   function unknown_key(schema, rule, key) result(text)
       type(schema_t), intent(in) :: schema               !! All groups
       type(group_rule_t), intent(in) :: rule             !! Group in which the key was written
       character(len=*), intent(in) :: key                !! Text as written
@@ -118,7 +139,18 @@ contains
       if (text == "") text = key_by_meaning(rule, key, least=0)
       if (text == "") text = key_of_others(schema, key, errors=1)
       if (text == "") text = "; scree --explain "//rule%name//" lists the keys"
-   end function suggested_key
+      text = "&"//rule%name//": unknown key '"//key//"'"//text
+   end function unknown_key
+
+   !> True if a text contains all words of a word, which are joined by underscores.
+   pure logical function has_all_words(word, text) result(yes)
+      character(len=*), intent(in) :: word               !! Text as written
+      character(len=*), intent(in) :: text               !! A name and its meaning
+
+      yes = len(word) > 1 .and. len(word) <= longest_word
+      if (yes) yes = shared_words(word, word) > 0
+      if (yes) yes = shared_words(word, text) >= shared_words(word, word)
+   end function has_all_words
 
    !> The key of a group whose name and meaning contain all words of an unknown one: most of them in
    !! the name, then the name with the fewest words. The text is empty if there is none.
@@ -127,17 +159,15 @@ contains
       character(len=*), intent(in) :: key                !! Text as written
       integer, intent(in) :: least                       !! Words that the name must contain
       character(len=:), allocatable :: text
-      integer :: best, fewest, i, most, named, parts, words
+      integer :: best, fewest, i, most, named, parts
 
       text = ""
-      words = shared_words(key, key)
-      if (words == 0 .or. len(key) < 2 .or. len(key) > longest_word) return
       best = 0
       most = least
       fewest = huge(fewest)
       do i = 1, size(rule%keys)
          associate (known => rule%keys(i))
-            if (shared_words(key, known%name//" "//known%doc) < words) cycle
+            if (.not. has_all_words(key, known%name//" "//known%doc)) cycle
             named = shared_words(key, known%name)
             parts = shared_words(known%name, known%name)
             if (named < most .or. (named == most .and. parts >= fewest)) cycle
