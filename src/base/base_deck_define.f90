@@ -294,8 +294,11 @@ contains
          if (index(fault, "no name '"//self%later(i)%text//"'") == 1) fault = &
             self%later(i)%text//" is defined later; move its definition before this one"
       end do
-      if (size(self%later) == 0 .and. index(fault, "no name '") == 1) &
+      if (any(fault == ["no name 'x'", "no name 'y'", "no name 'z'"])) then
+         fault = fault//"; a formula of the position is written without braces"
+      else if (size(self%later) == 0 .and. index(fault, "no name '") == 1) then
          fault = fault//"; names are given by &define name = number /"
+      end if
    end subroutine evaluate_expression
 
    !> A number with all its digits; integers without a decimal point, so that they are valid values
