@@ -33,8 +33,8 @@ ROOT = Path(__file__).resolve().parents[1]
 STEPS = ("prepare", "build", "digests", "smoke", "package")
 LABELS = ("unit", "verify", "invariance", "input", "hard", "random", "gate")
 # What every system gets beside compilers and libraries.
-PACKAGES = ("ca-certificates", "cmake", "git", "ninja-build", "python3-venv", "zlib1g-dev", "libhdf5-dev", "procps",
-            "libegl1", "libgl1", "libxrender1")
+PACKAGES = ("ca-certificates", "cmake", "git", "make", "ninja-build", "python3-venv", "zlib1g-dev", "libhdf5-dev",
+            "procps", "libegl1", "libgl1", "libxrender1")
 MPI_PACKAGES = {"openmpi": ("openmpi-bin", "libopenmpi-dev", "libhdf5-openmpi-dev"),
                 "mpich": ("mpich", "libmpich-dev", "libhdf5-mpich-dev"), "none": ("libhdf5-dev",)}
 NETWORK = ("http_proxy", "https_proxy", "no_proxy", "PIP_CERT", "PIP_INDEX_URL", "SSL_CERT_FILE")
