@@ -5,7 +5,7 @@ module io_points
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
-   use base_text, only: closest, line_end, number, shortened, text_t
+   use base_text, only: append, closest, line_end, number, shortened, text_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    implicit none
@@ -215,7 +215,7 @@ contains
       do n = 1, size(list%material_names)
          if (list%material_names(n)%text == name) exit
       end do
-      if (n > size(list%material_names)) list%material_names = [list%material_names, text_t(name)]
+      if (n > size(list%material_names)) call append(list%material_names, name)
       list%material(row) = n
    end subroutine number_material
 
@@ -262,7 +262,8 @@ contains
       if (allocated(error)) return
       do n = 1, size(members)
          if (.not. members(n)%is_data .or. members(n)%rows /= info%rows) cycle
-         list%fields = [list%fields, text_t(trim(members(n)%name))]
+         ! not by a structure constructor: gfortran 13 loses the length of the text
+         call append(list%fields, trim(members(n)%name))
          if (members(n)%name == "volume") then
             allocate (list%volume(info%rows))
             call read_numbers(source, data_group//"/volume", list%volume, error)
@@ -382,7 +383,7 @@ contains
       if (allocated(error)) return
       do n = 1, len(texts), length
          one = texts(n:n + length - 1)
-         names = [names, text_t(trim(one(:index(one//achar(0), achar(0)) - 1)))]
+         call append(names, trim(one(:index(one//achar(0), achar(0)) - 1)))
       end do
    end subroutine read_names
 end module io_points

@@ -8,7 +8,7 @@ module scene_points
    use base_hash, only: mix
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
-   use base_text, only: brief, join, lower, number, text_t
+   use base_text, only: append, brief, join, lower, number, text_t
    use base_units, only: unit_of, unit_t
    use constitutive_field_requests, only: field_requests_t
    use io_fields, only: field_names
@@ -359,14 +359,14 @@ contains
             do k = size(points%list%fields), 1, -1
                if (points%list%fields(k)%text == field_names(n)) exit
             end do
-            if (k == 0) missing = [missing, text_t(trim(field_names(n)))]
+            if (k == 0) call append(missing, trim(field_names(n)))
             if (k > 0 .and. .not. points%placing%keeps(trim(field_names(n)))) &
                call deck%warn(group, "boxes along the coordinates can be rotated only by "// &
                "right angles, so '"//trim(field_names(n))//"' of '"//points%path// &
                "' is not used; its particles start as cubes of their volume", "region")
          end do
       else if (stress) then
-         missing = [text_t("stress")]
+         call append(missing, "stress")
       end if
       do n = 1, size(missing)
          if (missing(n)%text == "stress") call deck%add_error(group, "'"//points%path// &
