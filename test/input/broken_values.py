@@ -121,8 +121,8 @@ KINDS = [
      "&body 'one': direction must not be 0 in all components"),
     ("plain", "'metal' /", "'metal'  velocity_formula = '2*w', '0', '0' /\n", 7,
      "&body: velocity_formula = '2*w', '0', '0'  <- letter 3: no name 'w'"),
-    ("plain", "'metal' /", "'metal'  velocity_formula = '{2*x}', '0', '0' /\n", 7, "letter 4: no name 'x'; a formula of the "
-     "position is written without braces"),
+    ("plain", "'metal' /", "'metal'  velocity_formula = '{2*x}', '0', '0' /\n", 7,
+     "letter 4: no name 'x'; a formula of the position is written without braces"),
     ("plain", "'sphere'  centre = 0.5 0 0.5  radius = 0.2",
      "'halfspace'  centre = 0.5 0 0.5  normal = 0 0 1  rotate_about = 'centre'", 6,
      "&region 'ball': a halfspace has no centre to rotate about; use rotate_about = 'origin'"),
