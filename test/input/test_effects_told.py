@@ -5,7 +5,7 @@ timing table has their rows.
 
 Would catch: an effect that is on and not listed, one that is listed and off, a default that is reported as a choice of
 the deck, the models of another material, a log with less information than the check, a row of the timing table for an
-effect that is off, and one without time for an effect that is on.
+effect that is off, one without time for an effect that is on, and a speed that is not updates over time.
 """
 
 import case
@@ -27,6 +27,7 @@ ALL = "damage=.true. size_scatter=.true. voids=.true. thermal=.true. melting=.tr
 METAL = ("strength_model='von_mises' yield=1e3 damage_model='principal_stress' failure_stress=1e5 weibull_m=7 "
          "specific_heat=500 t_melt=900 conductivity=10")
 ROWS = ("strength", "eos", "voids", "damage", "thermal", "artificial_viscosity", "heat conduction", "contact")
+PHASES = ("sort, move tiles", "points to nodes", "exchange", "waiting for ranks", "grid", "nodes to points")
 ON = (ROWS[:2] + ROWS[5:6], ROWS[:2], ROWS[:7])                    # of the three decks
 CASES = (  # effects, metal, water, lines
     ("", "", "elastic='none'", ["effects    by default: strength, eos, artificial_viscosity",
@@ -57,3 +58,6 @@ def test_effects_told(options, sheet):
         sheet.require(rows == ON[number], f"deck {number}: rows of effects {rows}, on are {ON[number]}")
         for row in rows:
             sheet.require(timers[row]["avg"] > 0.0, f"deck {number}: {row} took some time")
+        spent = sum(timers[row]["max"] for row in (*PHASES, *rows))
+        sheet.near(f"deck {number}: rate times the time of the steps over the updates",
+                   run.summary["particle_updates_per_s"] * spent / run.summary["particle_updates"], 1.0, 1.0e-6)
