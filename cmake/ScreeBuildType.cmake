@@ -13,7 +13,6 @@ endif()
 set(SCREE_ARCH native CACHE STRING
    "Processor to compile for (-march=); empty: the common one; dispatch: all x86-64, chosen at start")
 option(SCREE_MPI "Several ranks, with MPI and parallel HDF5; OFF: one rank, without MPI" ON)
-option(SCREE_OFFLOAD "The measurement bench_offload runs its kernels on an NVIDIA GPU" OFF)
 option(SCREE_WERROR "Warnings stop the build" ON)
 
 # All options are on scree_options, so CMake's own flags of a build type begin empty. No source needs

@@ -20,7 +20,6 @@ contains
    !! 1862). Equation (M.18) of doc/theory/method.md.
    ! gate: long kernel because the inverse of a matrix is nine numbers
    pure subroutine centre_gradient(count, plane, gradient)
-      !$omp declare target
       integer, intent(in) :: count                         !! Particles
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
@@ -277,7 +276,6 @@ contains
    !! part. Equation (A.2).
    pure subroutine predict_deviator(first, last, plane, shear, gradient, volume, stress, &
       old_volume, dilatation, pressure)
-      !$omp declare target
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0

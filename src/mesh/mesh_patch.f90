@@ -79,7 +79,6 @@ contains
    !> Set the values of all nodes to zero as one contiguous array; a loop over nodes would take a
    !! tenth of the time of a step.
    pure subroutine clear_patch(values)
-      !$omp declare target
       real(wp), contiguous, intent(inout) :: values(:, :) !! (component, node)
 
       call clear_numbers(size(values), values)
@@ -96,7 +95,6 @@ contains
    !> Sum of two fields of a tile with factors, as contiguous arrays; a loop over the nodes with
    !! three components each would take ten times as long.
    pure subroutine combine(factor, one, share, other, total)
-      !$omp declare target
       real(wp), intent(in) :: factor                 !! Factor of the first field
       real(wp), contiguous, intent(in) :: one(:, :)  !! (component, node)
       real(wp), intent(in) :: share                  !! Factor of the second field
@@ -145,7 +143,6 @@ contains
 
    !> Sum the patches that touch the nodes of one tile, its margin included.
    pure subroutine assemble(grid, tiles, patch, tile, total)
-      !$omp declare target
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions

@@ -106,7 +106,6 @@ contains
 
    !> Divide momentum and force of nodes by their mass; nodes without any get zero.
    pure subroutine divide_motion(mass, velocity, acceleration)
-      !$omp declare target
       real(wp), contiguous, intent(in) :: mass(:, :)       !! (1, node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Momentum, velocity [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) Force, [m/s2]

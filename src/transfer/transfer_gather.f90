@@ -24,13 +24,10 @@ module transfer_gather
    !! directions, of the second. The last term has all.
    integer, parameter :: across(3, 3) = reshape([2, 4, 6, 5, 6, 7, 3, 4, 7], [3, 3])
 
-   !$omp declare target (one, other, across)
-
 contains
 
    !> Scaled velocity gradient of the plain method: gradient_kl = scale sum u_k dS/dx_l.
    pure subroutine gather_gradient(grid, start, local, nodes, scale, gradient)
-      !$omp declare target
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
@@ -191,7 +188,6 @@ contains
    !! position + dt sum S_i advection_i, f the flip fraction.
    pure subroutine gather_motion(grid, start, first, local, increment, advection, flip_fraction, &
       dt, velocity, position)
-      !$omp declare target
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile

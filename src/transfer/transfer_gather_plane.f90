@@ -23,13 +23,10 @@ module transfer_gather_plane
    !> Components of a tensor with y, which are zero: yx, xy, yy, zy, yz.
    integer, parameter :: out_of_plane(5) = [2, 4, 5, 6, 8]
 
-   !$omp declare target (out_of_plane)
-
 contains
 
    !> Scaled velocity gradient of the plain method: gradient_kl = scale sum u_k dS/dx_l.
    pure subroutine gradient_plane(grid, start, local, nodes, scale, gradient)
-      !$omp declare target
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
@@ -85,7 +82,6 @@ contains
    ! gate: long kernel because two fields go to two others
    pure subroutine motion_plane(grid, start, first, local, increment, advection, flip_fraction, &
       dt, velocity, position)
-      !$omp declare target
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile

@@ -231,7 +231,6 @@ contains
    !! z, xz, y, xy, yz, xyz. The node field is a one-dimensional array with four elements as lanes:
    !! elements of the next node fill the lanes up to a multiple of four, and have no meaning.
    pure subroutine find_terms(components, rows, node, ways, numbers, nodes, scale, u)
-      !$omp declare target
       integer, intent(in) :: components              !! Numbers per node
       integer, intent(in) :: rows                    !! Columns, rounded up to a multiple of four
       integer, intent(in) :: node                    !! First node of the cell

@@ -28,13 +28,10 @@ module transfer_scatter_space
    real(wp), parameter, public :: a2(edges) = [1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp]
    real(wp), parameter, public :: b2(edges) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
 
-   !$omp declare target (a1, b1, a2, b2)
-
 contains
 
    !> Add mass and momentum to columns 1 to 4 of a patch.
    pure subroutine space_motion(grid, start, first, local, mass, velocity, patch)
-      !$omp declare target
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
@@ -94,7 +91,6 @@ contains
 
    !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
    pure subroutine space_force(grid, start, first, local, volume, stress, patch)
-      !$omp declare target
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile

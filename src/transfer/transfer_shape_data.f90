@@ -237,7 +237,6 @@ contains
    !> Local coordinates of each particle in its cell, 0 to 1 along each active direction. The same
    !! arithmetic as that which found the cell, so that both agree to the last bit.
    pure subroutine find_local(grid, first, count, position, local)
-      !$omp declare target
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile
