@@ -2,7 +2,8 @@
 """Runs and measurements of a scene: tables and numbers in the README of the scene, and pictures.
 
 The file `measure.py` of a scene defines a `Study` of its runs. When called, it makes the runs that have no results yet,
-prints the tables, and draws the pictures. With --write the tables are written to the README, between the lines
+prints the tables, and draws the pictures. The last table is the verdict of the program on its runs, `trust` of their
+summaries. With --write the tables are written to the README, between the lines
 
     <!-- figures -->
     <!-- end of figures -->
@@ -23,6 +24,7 @@ from scree.quantities import value_of
 
 WIDE = 1800                            # pixels of a picture
 TIMES = ("seconds", "seconds_all")     # names of the processor times of the unchanged deck and of all runs [s]
+VERDICTS = ("bad", "check", "ok")      # of the program on a run, the worst first
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 MARKED = re.compile(r"<!--=(\w+)-->(.*?)<!--=-->", re.S)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
@@ -68,6 +70,13 @@ class Run:
     def near(self, moment):
         """The snapshot nearest to a time [s]."""
         return scree_post.snapshot(min(self.series, key=lambda frame: abs(frame[0] - moment))[1])
+
+    @property
+    def verdict(self):
+        """The verdict of the program on the run, and the entries with their values that are the reason."""
+        trust = self.summary["trust"]
+        entries = {name: entry for name, entry in trust.items() if isinstance(entry, dict)}
+        return trust["verdict"], {name: entry["value"] for name, entry in entries.items() if entry["verdict"] != "ok"}
 
     def error(self, name):
         """An error of the ledger, such as "energy_error" [1]."""
@@ -120,7 +129,7 @@ class Study:
         runs = self.run(options)
         if options.pictures:
             return self.draw(runs, self.folder)
-        text = "\n".join(table.text() for table in self.tables(runs))
+        text = "\n".join(table.text() for table in [*self.tables(runs), verdicts(runs)])
         print(text)
         if options.check:
             return self.check(self.documents(runs, text))
@@ -214,6 +223,22 @@ class Study:
                 number += 1
         print(f"{number} differences" if number else "all figures are those of the runs")
         return 1 if number else 0
+
+
+def verdicts(runs):
+    """The verdict of the program on the runs: the worst first, runs with the same reasons together, and for each
+    reason the least and the greatest value."""
+    found = {}
+    for name, run in runs.items():
+        verdict, reasons = run.verdict
+        found.setdefault((verdict, tuple(reasons)), []).append((name, reasons))
+    table = Table(["verdict of the program", "because of", "runs"])
+    for (verdict, names), same in sorted(found.items(), key=lambda item: VERDICTS.index(item[0][0])):
+        values = {name: sorted({f"{reasons[name]:.2g}" for _, reasons in same}, key=float) for name in names}
+        table.rows.append([verdict, ", ".join(f"{name} {' to '.join(dict.fromkeys((few[0], few[-1])))}"
+                                              for name, few in values.items()),
+                           "all" if len(found) == 1 and len(runs) > 1 else ", ".join(f"`{name}`" for name, _ in same)])
+    return table
 
 
 def with_tables(path, text, tables):

@@ -26,7 +26,7 @@ COLOURS = {"plane": "#0072b2", "round": "#d55e00"}
 def settings(kind, aspect):
     """What differs from the deck, whose column is plane and twice as high as half of it is wide."""
     height, spacing = aspect * flows.HALF_WIDTH, flows.HALF_WIDTH / flows.COLUMN_CELLS[aspect]
-    reach = flows.HALF_WIDTH * (1.0 + 2.5 * flows.measured_runout(aspect, KINDS[kind]))
+    reach = flows.HALF_WIDTH * (1.0 + 2.5 * flows.runout_laws(aspect, KINDS[kind])[0])
     bulk = 100.0 * 1500.0 * flows.GRAVITY * height     # a hundred times the weight on the base
     wide, high = (spacing * math.ceil(length / spacing) for length in (reach, 1.1 * height + 2.0 * spacing))
     values = {"grid.hi": f"{wide:.15g},1,{high:.15g}", "grid.dx": f"{spacing:.15g}", "material.bulk": f"{bulk:.15g}",
@@ -68,19 +68,23 @@ def top(run):
     return snap.points[snap.points[:, 0] < 0.2 * flows.HALF_WIDTH, 2].max() / flows.HALF_WIDTH
 
 
+def measured(aspect, axisymmetric):
+    """The measured run-out as text, or the laws on both sides where none was found."""
+    return " to ".join(dict.fromkeys(f"{law:.2f}" for law in flows.runout_laws(aspect, axisymmetric)))
+
+
 def tables(runs):
     """Run-out, height and time by aspect ratio, and what they are with the friction of spheres."""
-    spheres = Table(["column", "a", "run-out, 45 degrees", "spheres", "measured", "height, 45 degrees", "spheres",
-                     "measured"])
-    for name in runs:
-        beside = f"{name}_spheres"
-        if beside in runs:
+    spheres = Table(["column", "a", "run-out, 23.4 degrees", "continuum", "beads", "height, 23.4 degrees", "continuum",
+                     "beads"])
+    for name, run in runs.items():
+        if name.endswith("_spheres"):
             kind, aspect = split(name)
-            both = [runs[name], runs[beside]]
-            spheres.rows.append([
-                kind, f"{aspect:g}", *(f"{fronts(run, aspect, KINDS[kind])[1][-1]:.2f}" for run in both),
-                f"{flows.measured_runout(aspect, KINDS[kind]):.2f}", *(f"{top(run):.2f}" for run in both),
-                f"{flows.measured_height(aspect, KINDS[kind]):.2f}"])
+            run_out, height = flows.continuum(aspect)
+            others = [(run_out, flows.beads_runout(aspect)), (height, flows.measured_height(aspect))]
+            texts = [["", ""] if KINDS[kind] else [f"{value:.2f}" for value in pair] for pair in others]
+            spheres.rows.append([kind, f"{aspect:g}", f"{fronts(run, aspect, KINDS[kind])[1][-1]:.2f}", *texts[0],
+                                 f"{top(run):.2f}", *texts[1]])
     table = Table(["column", "a", "run-out", "measured", "height", "measured", "time over sqrt(H/g)", "measured",
                    "energy error"])
     for name, run in of_sand(runs).items():
@@ -88,28 +92,43 @@ def tables(runs):
         time, place = fronts(run, aspect, KINDS[kind])
         before = np.flatnonzero(place < 0.97 * place[-1])[-1]
         arrived = np.interp(0.97 * place[-1], place[before:before + 2], time[before:before + 2])
-        table.rows.append([kind, f"{aspect:g}", f"{place[-1]:.2f}", f"{flows.measured_runout(aspect, KINDS[kind]):.2f}",
+        table.rows.append([kind, f"{aspect:g}", f"{place[-1]:.2f}", measured(aspect, KINDS[kind]),
                            f"{top(run):.2f}", f"{flows.measured_height(aspect, KINDS[kind]):.2f}", f"{arrived:.1f}",
                            "3.0" if KINDS[kind] else "3.3", f"{run.error('energy_error'):.3f}"])
     return [table, spheres]
 
 
 def numbers(runs):
-    """The run-out that is farthest off what was measured."""
-    worst = 0.0
-    for name, run in of_sand(runs).items():
+    """The run-out that is farthest off what was measured, and the heights of plane deposits; with the friction of
+    spheres the run-outs of plane columns, and run-outs and heights over those of the continuum, less 1."""
+    worst, heights, beside = 0.0, [], []
+    for name, run in runs.items():
         kind, aspect = split(name)
         found = fronts(run, aspect, KINDS[kind])[1][-1]
-        worst = max(worst, abs(found / flows.measured_runout(aspect, KINDS[kind]) - 1.0))
-    return {"worst": f"{100.0 * worst:.0f}"}
+        if name.endswith("_spheres"):
+            if not KINDS[kind]:
+                run_out, height = flows.continuum(aspect)
+                beside.append((found, found / run_out - 1.0, top(run) / height - 1.0))
+            continue
+        least, most = flows.runout_laws(aspect, KINDS[kind])
+        worst = max(worst, 1.0 - found / least, found / most - 1.0)
+        if aspect >= 1.0 and not KINDS[kind]:
+            heights.append(top(run) / flows.measured_height(aspect) - 1.0)
+    places, *columns = zip(*beside)
+    texts = [", ".join(f"{100.0 * value:+.0f}" for value in column) for column in columns]
+    return {"worst": f"{100.0 * worst:.0f}", "heights": f"+{100.0 * min(heights):.0f} to +{100.0 * max(heights):.0f}",
+            "spheres_runout": ", ".join(f"{place:.2f}" for place in places), "continuum_runout": texts[0], "continuum_height": texts[1]}
 
 
 def draw(runs, plot):
-    """Run-out by aspect ratio beside the measured laws, and the deposits."""
+    """Run-out by aspect ratio beside the measured laws and the continuum, and the deposits."""
     figure, panels = plot.subplots(1, 3, figsize=(10.5, 3.9), width_ratios=(1.0, 1.1, 1.1), layout="constrained")
-    line = np.geomspace(0.4, 5.0, 80)
+    line = np.geomspace(0.4, 5.0, 400)
+    panels[0].plot(line, [flows.continuum(aspect)[0] for aspect in line], "k--", linewidth=1.0,
+                   label="plane, continuum, mu(I)")
     for kind, axisymmetric in KINDS.items():
-        law = np.array([flows.measured_runout(aspect, axisymmetric) for aspect in line])
+        least, law = np.array([flows.runout_laws(aspect, axisymmetric) for aspect in line]).T
+        law[least < law] = np.nan      # no law there
         panels[0].fill_between(line, 0.85 * law, 1.15 * law, color=COLOURS[kind], alpha=0.15, linewidth=0)
         panels[0].plot(line, law, color=COLOURS[kind], linewidth=1.2, label=f"{kind}, measured")
     for name, run in of_sand(runs).items():
@@ -117,11 +136,15 @@ def draw(runs, plot):
         panels[0].plot(aspect, fronts(run, aspect, KINDS[kind])[1][-1], "os"[KINDS[kind]], color=COLOURS[kind])
         middle, thick = flows.thickness(run.last_snapshot(), aspect, KINDS[kind])
         panels[1 + KINDS[kind]].plot(middle, thick, label=f"a = {aspect:g}", linewidth=1.4)
+    for aspect in (1.0, 2.0, 4.0):
+        if f"plane_{aspect:g}_spheres" in runs:
+            panels[0].plot(aspect, fronts(runs[f"plane_{aspect:g}_spheres"], aspect, False)[1][-1], "o", mfc="none",
+                           color="k", label="plane, 23.4 degrees" if aspect == 1.0 else None)
     panels[0].set(xscale="log", yscale="log", xlabel="height over half width, a", ylabel="run-out over half width")
-    for axis, ticks in ((panels[0].xaxis, ASPECTS), (panels[0].yaxis, (0.5, 1.0, 2.0, 4.0))):
+    for axis, ticks in ((panels[0].xaxis, ASPECTS), (panels[0].yaxis, (0.5, 1.0, 2.0, 4.0, 8.0))):
         axis.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
         axis.set_ticks([], minor=True)
-    panels[0].legend(fontsize=9)
+    panels[0].legend(fontsize=8)
     for panel, kind in zip(panels[1:], KINDS):
         panel.set(title=f"deposits, {kind}", xlabel="distance over half width", ylabel="thickness over half width",
                   xlim=(0, 6.5), ylim=(0, 1.7))
@@ -142,7 +165,8 @@ def draw_stages(runs, plot):
         snap = run.near(moment)
         layer = np.floor(height[np.searchsorted(whose, snap.fields["identity"])] / LAYER) % 2
         panel.particles(axes, snap, layer, low=-0.4, high=1.3, colours=look.SOOT, factor=100.0)
-        axes.axvline(100 * flows.HALF_WIDTH * (1.0 + flows.measured_runout(2.0, False)), color="k", linestyle=":")
+        for law in flows.runout_laws(2.0):
+            axes.axvline(100 * flows.HALF_WIDTH * (1.0 + law), color="k", linestyle=":")
         panel.window(axes, (0.0, 50.0, 0.0, 22.0))
         axes.text(0.97, 0.92, f"{snap.time:.2f} s", ha="right", va="top", transform=axes.transAxes)
     for axes in panels[:, 0]:

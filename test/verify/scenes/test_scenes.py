@@ -3,7 +3,7 @@
 
 Would catch a change of the method that leaves old figures in a README, a scene without figures or that no longer
 runs, a comparison that accepts all differences, a number that is updated in the wrong position or not at all, a failed
-run that is not reported, and a gallery that is out of date. Tier full: the scenes that take seconds; tier long: all
+run that is not reported, a verdict of the program that no page shows, and a gallery that is out of date. Tier full: the scenes that take seconds; tier long: all
 scenes with measured figures, which takes about half an hour.
 """
 # tiers: full, long
@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -85,6 +86,21 @@ def test_documents(options, sheet):
                       f"{steps} steps and {value} in the table: {now!r}")
 
 
+def test_verdicts(sheet):
+    """The table of verdicts names the worst first, with its reasons and their range; no run is left out."""
+    def run(noise, energy, verdict):
+        rows = {"energy": energy, "noise": noise}
+        trust = {name: {"value": value, "verdict": word} for name, (value, word) in rows.items()}
+        return SimpleNamespace(verdict=scree_scene.Run.verdict.fget(
+            SimpleNamespace(summary={"trust": {**trust, "verdict": verdict}})))
+    good, low, high = run((0.1, "ok"), (0.0, "ok"), "ok"), *(
+        run((noise, "bad"), (0.03, "check"), "bad") for noise in (0.75, 0.98))
+    rows = scree_scene.verdicts({"a": good, "b": high, "c": low}).rows
+    sheet.require(rows == [["bad", "energy 0.03, noise 0.75 to 0.98", "`b`, `c`"], ["ok", "", "`a`"]], f"{rows}")
+    rows = scree_scene.verdicts({"a": good, "b": good}).rows
+    sheet.require(rows == [["ok", "", "all"]], f"{rows}")
+
+
 def test_failures(sheet):
     """Failed runs that count as results."""
     scene = scree_scene.Study(__file__, {}, None, {}, may_fail={"bad": 4})
@@ -99,6 +115,7 @@ def test_complete(sheet):
     sheet.require(len(folders) > 8, f"{len(folders)} scenes are found")
     for folder in folders:
         text = (folder / "README.md").read_text(encoding="utf-8")
+        sheet.require("| verdict of the program |" in text, f"{folder.name}: the README shows the verdict")
         sheet.require((folder / "measure.py").is_file() and text.count(scree_scene.BEGIN) == 1
                       and len(gallery.WORKED.findall(text)) == 1, f"{folder.name}: measured, with figures and times")
 
