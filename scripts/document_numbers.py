@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Numbers of the pages of doc/ that tests measure: where they are, and how they are written there.
+"""Numbers of the pages of doc/ that tests measure, and the page of limits, which is made of them.
 
     python3 scripts/document_numbers.py            write the numbers of the last test runs into the pages
     python3 scripts/document_numbers.py --check    exit code 1 if pages and tables of numbers differ
@@ -15,11 +15,17 @@ In a page, numbers are between invisible marks, or follow a mark in the row of a
     ends with <!--=free_bar.mpm.energy*100-->93<!--=--> times the energy
     | displacement <!--=column.cells_{20,40,80}.displacement--> | 4.3e-3 | 1.5e-3 | 4.9e-4 |
 
-A name begins with that of its test (free_bar for test_free_bar.py), with `record`, or with `speed`:
-speed.block_ddmp.core is the speed of a case in the table of doc/developer/performance_table.md. Braces stand for
+A name begins with that of its test (free_bar for test_free_bar.py), with `record`, or with one of three pages:
+speed.block_ddmp.core is the speed of a case in the table of doc/developer/performance_table.md,
+accuracy.vortex.ddmp.24 the error of a case in doc/accuracy/accuracy.csv (the name of the problem, of the variant, and
+the number of cells, with the first number of particles and cfl = 0.4), and scene.debris_cloud.hole the number between
+the marks of that name in the README of a scene, which its measure.py writes. Braces stand for
 several names; names are separated by blanks, and `-` skips a number that is not measured. Percentages are measured as
 fractions. `abs:NAME` is the absolute value, `NAME*1000` a multiple; a single name `record.NAME` of several numbers
 stands for record.NAME.1 and so on. A number keeps the digits and the form that it has in the page.
+
+doc/reference/limits.md is written from doc/reference/limits.csv, a list of limits in which numbers have marks as on a
+page, and from the known misses of the tests (`sheet.known`), whose titles and targets are in doc/theory/known.csv.
 
 Only the standard library is needed.
 """
@@ -35,12 +41,30 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = ROOT / "doc"
 MEASURED, RECORDS = DOCUMENTS / "theory/measured.csv", DOCUMENTS / "theory/records.csv"
 SPEEDS = DOCUMENTS / "developer/performance_table.md"
-HEADS = ("name", "value", "limit", "test", "tier")
+KNOWN = DOCUMENTS / "theory/known.csv"
+LIMITS, LIMITS_PAGE = DOCUMENTS / "reference/limits.csv", DOCUMENTS / "reference/limits.md"
+ACCURACY = DOCUMENTS / "accuracy/accuracy.csv"
+HEADS, KNOWN_HEADS = ("name", "value", "limit", "test", "tier"), ("name", "title", "target")
+TOLD = ("record.", "speed.", "scene.", "accuracy.")     # names that no test measures
 INLINE = re.compile(r"<!--=([^>]*?\.[^>]*?)-->(?! *\|)(.*?)<!--=-->(\s?%)?", re.S)
 ROW = re.compile(r"<!--=([^>]*?\.[^>]*?)--> *\|(.*)$", re.M)
 NUMBER = re.compile(r"(?<![\w.^])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w^])")
 BRACES = re.compile(r"\{([^{}]*)\}")
 ROUND_OFF = 1.0e-10                    # smaller numbers differ between machines
+HEAD = """<!-- written by scripts/document_numbers.py from limits.csv and known.csv -->
+# Limits and known deviations
+
+This page lists the limits of the program and its known errors. Each number belongs to the page that is linked beside
+it, or to a test at the end of this page. `--check` rejects decks with features that exclude each other and reports file
+and line.
+"""
+MISSES = """
+## Known misses of the tests
+
+A *known miss* is a target in a test that the program does not meet. The test fails if the size of the value exceeds the
+limit, and also if the target is met ([Testing](../developer/testing.md)). Every test run lists its known misses at the
+end.
+"""
 
 
 @dataclass
@@ -100,8 +124,8 @@ def numbers_of(path, text, words, start, part, percent):
     names, found = names_of(words), list(NUMBER.finditer(part))
     line = text.count("\n", 0, start) + 1
     signed = any(number[0].startswith("+") for number in found)
-    if len(names) == 1 and len(found) > 1 and names[0].startswith("record."):
-        names = [f"{names[0]}.{number}" for number in range(1, len(found) + 1)]
+    if len(names) == 1 and len(found) > 1 and names[0].startswith(("record.", "scene.")):
+        names = numbered(names[0], len(found))
     if len(names) != len(found):
         raise ValueError(f"{path}:{line}: {len(names)} names for {len(found)} numbers in '{part.strip()}'")
     for name, number in zip(names, found):
@@ -109,7 +133,7 @@ def numbers_of(path, text, words, start, part, percent):
             continue
         name, _, factor = name.partition("*")
         cell = part[number.end():].split("|")[0].rstrip()
-        fraction = (percent or cell.endswith("%")) and not name.startswith("record.")
+        fraction = (percent or cell.endswith("%")) and not name.removeprefix("abs:").startswith(("record.", "scene."))
         scale = float(factor or 1.0) * (100.0 if fraction else 1.0)
         yield Place(path, name.removeprefix("abs:"), scale, name.startswith("abs:"),
                     signed and not name.startswith("abs:"),
@@ -131,7 +155,8 @@ def places_of(path, text=None):
 
 def all_places():
     """The measured numbers of all pages."""
-    pages = [*sorted(DOCUMENTS.rglob("*.md")), *sorted((ROOT / "input").glob("*/README.md")), ROOT / "README.md"]
+    pages = [*sorted(DOCUMENTS.rglob("*.md")), LIMITS, *sorted((ROOT / "input").glob("*/README.md")),
+             ROOT / "README.md"]
     return [place for path in pages for place in places_of(path)]
 
 
@@ -158,14 +183,40 @@ def speeds():
             for column, value in zip(("core", "wall"), values)}
 
 
+def scenes():
+    """Numbers of the READMEs of the scenes, for names such as scene.debris_cloud.hole; several numbers in one mark
+    have names with .1, .2 and so on."""
+    found = {}
+    for path in sorted((ROOT / "input").glob("*/README.md")):
+        for name, text in re.findall(r"<!--=(\w+)-->(.*?)<!--=-->", path.read_text(encoding="utf-8"), re.S):
+            several = [float(number) for number in NUMBER.findall(text)]
+            found |= dict(zip(numbered(f"scene.{path.parent.name}.{name}", len(several)), several))
+    return found
+
+
+def numbered(name, count):
+    """The names of several numbers with a common name."""
+    return [name] if count == 1 else [f"{name}.{number}" for number in range(1, count + 1)]
+
+
+def errors():
+    """Errors of the study of accuracy and cost, for names such as accuracy.vortex.ddmp.24."""
+    found = {}
+    with ACCURACY.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            if row["error"] and row["cfl"] == "0.4":
+                found.setdefault(f"accuracy.{row['problem']}.{row['way'].replace(' ', '_')}.{row['cells']}",
+                                 float(row["error"]))
+    return found
+
+
 def known_values():
     """All values by name; a record of several values has names with .1, .2 and so on."""
     values = {name: float(row["value"]) for name, row in table(MEASURED).items()}
     for name, row in table(RECORDS).items():
         words = row["values"].split()
-        values.update({name if len(words) == 1 else f"{name}.{number}": float(word)
-                       for number, word in enumerate(words, 1)})
-    return {**speeds(), **values}
+        values.update(zip(numbered(name, len(words)), map(float, words)))
+    return {**speeds(), **scenes(), **errors(), **values}
 
 
 def results(folder):
@@ -184,8 +235,10 @@ def results(folder):
 def write(folder):
     """Copy the numbers of test runs to the table and the pages. Returns lines about numbers without a measured
     value."""
-    places, measured, new = all_places(), table(MEASURED), results(folder)
-    names = {place.name for place in places if not place.name.startswith(("record.", "speed."))}
+    measured, new = table(MEASURED), results(folder)
+    known = write_known(new, measured)
+    places = all_places()
+    names = {place.name for place in places if not place.name.startswith(TOLD)} | set(known)
     rows = {name: new.get(name, measured.get(name)) for name in names}
     with MEASURED.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, HEADS, extrasaction="ignore", lineterminator="\n")
@@ -195,11 +248,68 @@ def write(folder):
             writer.writerow({**row, "value": f"{float(row['value']):.5g}",
                              "limit": f"{float(row['limit']):.4g}" if row["limit"] not in (None, "") else ""})
     values = known_values()
-    for path in {place.path for place in places}:
+    for path in {place.path for place in places} - {LIMITS_PAGE}:
         text = path.read_text(encoding="utf-8")
         path.write_text(rewritten(text, places_of(path, text), values), encoding="utf-8")
+    LIMITS_PAGE.write_text(limits_page(), encoding="utf-8")
+    places = all_places()
     return sorted(f"{place.path.relative_to(ROOT)}: no value for {place.name}" for place in places
                   if place.name not in values)
+
+
+def write_known(new, measured):
+    """Update the table of known misses from test runs. Returns its rows by name. A test that was run and no longer has
+    a miss removes it."""
+    known = table(KNOWN)
+    ran = {(row["test"], row["tier"]) for row in new.values()}
+    for name in [name for name in known if name not in measured
+                 or (measured[name]["test"], measured[name]["tier"]) in ran and "target" not in new.get(name, {})]:
+        del known[name]
+    known.update({name: row for name, row in new.items() if "target" in row})
+    with KNOWN.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, KNOWN_HEADS, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        for name in sorted(known):
+            writer.writerow({**known[name], "target": f"{float(known[name]['target']):.4g}"})
+    return known
+
+
+def title_of(path, anchor):
+    """The heading of a page, and that of one of its sections."""
+    heads = [re.sub(r"[`*]", "", head) for head in re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.M)]
+    anchors = {re.sub(r"[^\w -]", "", head).strip().lower().replace(" ", "-"): head for head in heads}
+    if anchor and anchor not in anchors:
+        raise ValueError(f"{LIMITS}: {path} has no section {anchor}")
+    section = re.sub(r" \(.*\)$", "", anchors[anchor]) if anchor else ""
+    return ": ".join(filter(None, (heads[0], section)))
+
+
+def link(owner):
+    """A link to the page that owns a limit, or nothing."""
+    path, _, anchor = owner.partition("#")
+    return f"[{title_of(LIMITS.parent / path, anchor)}]({owner})" if owner else ""
+
+
+def limits_page():
+    """The page of limits."""
+    with LIMITS.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    text = HEAD
+    for section in dict.fromkeys(row["section"] for row in rows):
+        text += f"\n## {section}\n\n| limit | size, or what to do | page |\n|---|---|---|\n"
+        text += "".join(f"| {row['limit']} | {row['size']} | {link(row['owner'])} |\n".replace("|  |", "| |")
+                        for row in rows if row["section"] == section)
+    measured, tests = table(MEASURED), {}
+    for name, row in table(KNOWN).items():
+        tests.setdefault(measured[name]["test"], []).append((name, row))
+    text += MISSES
+    for test in sorted(tests):
+        text += f"\n`{test}`:\n\n| known miss | value | target | limit |\n|---|---|---|---|\n"
+        for name, row in tests[test]:
+            value, limit = (float(measured[name][key]) for key in ("value", "limit"))
+            text += (f"| {row['title'].replace('|', '/')} <!--={name} - - --> | {value:.2g} "
+                     f"| {float(row['target']):.4g} | {limit:.4g} |\n")
+    return text
 
 
 def faults():
@@ -209,7 +319,9 @@ def faults():
              if place.name not in values]
     found += [f"{place.path.relative_to(ROOT)}: {place.name} is {place.shown(values[place.name]):.5g}, not {place.text}"
               for place in places if place.name in values and place.differs(values[place.name], 0.51)]
-    unused = set(values) - set(speeds()) - {place.name for place in places}
+    if LIMITS_PAGE.read_text(encoding="utf-8") != limits_page():
+        found.append(f"{LIMITS_PAGE.relative_to(ROOT)} is not what {Path(__file__).name} writes")
+    unused = set(values) - set(speeds()) - set(scenes()) - set(errors()) - {place.name for place in places}
     found += [f"{name} is in a table of numbers and in no page" for name in unused]
     return sorted(found)
 

@@ -117,7 +117,8 @@ def numbers(runs):
     places, *columns = zip(*beside)
     texts = [", ".join(f"{100.0 * value:+.0f}" for value in column) for column in columns]
     return {"worst": f"{100.0 * worst:.0f}", "heights": f"+{100.0 * min(heights):.0f} to +{100.0 * max(heights):.0f}",
-            "spheres_runout": ", ".join(f"{place:.2f}" for place in places), "continuum_runout": texts[0], "continuum_height": texts[1]}
+            "spheres_runout": ", ".join(f"{place:.2f}" for place in places),
+            "continuum_runout": texts[0], "continuum_height": texts[1]}
 
 
 def draw(runs, plot):

@@ -4,11 +4,16 @@
 correctly.
 
 Would catch: a number that was changed by hand on a page, a mark whose number has no source, a number in a table that no
-page shows, a mark that is assigned to other numbers, a comparison that accepts different numbers as equal, and a table
-that names a test that does not exist.
+page shows, a mark that is assigned to other numbers, a comparison that accepts different numbers as equal, a table
+that names a test that does not exist, a page of limits that is not what its sources say, a limit whose number has no
+owner or whose owner is gone, and a known miss that the page does not list.
 """
 
+import csv
+import re
 from pathlib import Path
+
+import pytest
 
 import document_numbers
 import measured
@@ -89,6 +94,66 @@ def test_comparison_in_a_run(monkeypatch, tmp_path):
     assert [measured.compared(name) for name in ("bar.a", "bar.b", "bar.low")] == [True, False, True]
     assert measured.missing(set(), "test_bar.py") == ["bar.a"]
     assert measured.missing({"bar.a"}, "test_bar.py") == [] == measured.missing(set(), "test_other.py")
+
+
+def test_known_misses(monkeypatch, tmp_path):
+    """Misses that appear, change their target or are met are reported, and the table follows the runs of the tests."""
+    known = tmp_path / "known.csv"
+    monkeypatch.setattr(document_numbers, "KNOWN", known)
+    monkeypatch.setattr(measured, "shown", lambda: {})
+    monkeypatch.setattr(measured.tier, "NAME", "full")
+
+    def row(name, **more):
+        return {"name": name, "value": 0.4, "limit": 1.0, "test": "test_bar.py", "tier": "full", **more}
+
+    def miss(name, target=0.1):
+        return row(name, target=target, title=f"bar: {name}")
+
+    old = {name: row(name) for name in ("bar.a", "bar.b", "bar.c")}
+    kept = row("bar.c", test="test_other.py")
+    assert list(document_numbers.write_known({name: miss(name) for name in old}, old)) == ["bar.a", "bar.b", "bar.c"]
+    assert measured.differences([miss("bar.a"), miss("bar.b"), row("bar.d")]) == []
+    assert "does not list the known miss bar.d" in measured.differences([miss("bar.d")])[0]
+    assert "says 0.1 for the target of bar.a, which is 0.2" in measured.differences([miss("bar.a", 0.2)])[0]
+    assert "lists bar.a, which is no longer" in measured.differences([row("bar.a")])[0]
+    found = document_numbers.write_known({"bar.a": miss("bar.a", 0.2), "bar.b": row("bar.b")}, {**old, "bar.c": kept})
+    assert {name: miss["target"] for name, miss in found.items()} == {"bar.a": 0.2, "bar.c": "0.1"}
+    assert document_numbers.table(known)["bar.a"] == {"name": "bar.a", "title": "bar: bar.a", "target": "0.2"}
+
+
+def test_limits_page(monkeypatch, tmp_path):
+    """A limit and a known miss on the page; a limit that names a section that is gone is an error."""
+    for name, text in (("LIMITS", "section,limit,size,owner\nSizes,rows,<!--=bar.a-->3<!--=-->,page.md#its-section\n"),
+                       ("KNOWN", "name,title,target\nbar.b,bar: b,0.1\n"),
+                       ("MEASURED", "name,value,limit,test,tier\nbar.b,0.456,1,test_bar.py,full\n")):
+        monkeypatch.setattr(document_numbers, name, tmp_path / f"{name}.csv")
+        (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8")
+    (tmp_path / "page.md").write_text("# Page\n\n## Its `section` (more)\n\n## Its section\n", encoding="utf-8")
+    page = document_numbers.limits_page()
+    assert "## Sizes\n\n| limit |" in page
+    assert "| rows | <!--=bar.a-->3<!--=--> | [Page: Its section](page.md#its-section) |" in page
+    assert "`test_bar.py`:" in page and "| bar: b <!--=bar.b - - --> | 0.46 | 0.1 | 1 |" in page
+    (tmp_path / "page.md").write_text("# Page\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="has no section its-section"):
+        document_numbers.limits_page()
+
+
+def test_limits():
+    """In the list of limits each number of a measurement has a mark, so it has one owner."""
+    with document_numbers.LIMITS.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) > 40
+    bare = {row["limit"]: re.findall(r"\d+\.\d+|\d+ %", re.sub(r"<!--=.*?-->.*?<!--=-->( %)?|`[^`]*`|\[.*?\)", "",
+                                                               row["size"]))
+            for row in rows if row["section"] not in ("Scope", "Sizes", "Post-processing")}
+    assert {limit: numbers for limit, numbers in bare.items() if numbers} == {}
+
+
+def test_misses_of_tests():
+    """Each known miss of the page is one of its test, and has a value."""
+    values = document_numbers.table(document_numbers.MEASURED)
+    for name in document_numbers.table(document_numbers.KNOWN):
+        assert ".known(" in (ROOT / values[name]["test"]).read_text(encoding="utf-8"), name
 
 
 def test_pages():

@@ -221,9 +221,9 @@ def collapse(options, name, method="ddmp", words="", aspect=1.0, axisymmetric=Fa
 
     The law of Drucker and Prager has no length and no time scale, so run-outs depend on the aspect ratio alone, as in
     the experiments. The angle of 45 degrees with the plane strain cone is a coefficient of friction of 0.65 in simple
-    shear without dilation, tan 33 degrees. It was fitted to the run-outs within the angles of repose of sand. The base sticks, so grains slide on
-    grains; in the experiments the material of the base had no effect. The bulk modulus is `softness` times the weight
-    of the column.
+    shear without dilation, tan 33 degrees. It was fitted to the run-outs within the angles of repose of sand. The base
+    sticks, so grains slide on grains; in the experiments the material of the base had no effect. The bulk modulus is
+    `softness` times the weight of the column.
     """
     height, cells = aspect * HALF_WIDTH, cells or COLUMN_CELLS[aspect]
     spacing, unit = HALF_WIDTH / cells, np.sqrt(height / GRAVITY)

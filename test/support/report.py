@@ -64,7 +64,7 @@ class Report:
         A value that meets the target fails too: replace the row by `below(name, value, target)`. The limit keeps a
         known miss from growing and needs a reason like any other limit.
         """
-        measured.record(name, value, limit)
+        measured.record(name, value, limit, target)
         self.checks += 1
         missed = math.isfinite(value) and target < abs(value) <= limit
         if not missed:

@@ -3,8 +3,8 @@
 
 Would catch a change of the method that leaves old figures in a README, a scene without figures or that no longer
 runs, a comparison that accepts all differences, a number that is updated in the wrong position or not at all, a failed
-run that is not reported, a verdict of the program that no page shows, and a gallery that is out of date. Tier full: the scenes that take seconds; tier long: all
-scenes with measured figures, which takes about half an hour.
+run that is not reported, a verdict of the program that no page shows, and a gallery that is out of date. Tier full: the
+scenes that take seconds; tier long: all scenes with measured figures, which takes about half an hour.
 """
 # tiers: full, long
 # timeout: 900
