@@ -143,16 +143,17 @@ def marked(results, word):
 
 
 def record(results, tests):
-    """Write the processor times of tests that passed into the list of costs. Entries of other tests do not change;
-    entries of tests that do not exist any more are removed."""
+    """Write the processor times of tests that passed into the list of costs, and of those that were skipped and have
+    no entry. Entries of other tests do not change; entries of tests that do not exist any more are removed."""
     costs = {}
     for line in COSTS.read_text(encoding="utf-8").splitlines()[1:]:
         name, seconds = line.rsplit(",", 1)
         costs[name] = seconds
-    passed = {name for name, result, _, _ in results if result == "passed"}
+    counted = {name for name, result, _, _ in results
+               if result == "passed" or result == "skipped" and name not in costs}
     # a test may print the lines of others; its own is the last
     costs.update({name: f"{max(float(text), 0.01):.2f}" if float(text) < 1.0 else f"{float(text):.1f}"
-                  for name, text in marked(results, "COST") if name in passed})
+                  for name, text in marked(results, "COST") if name in counted})
     names = sorted(set(costs) & {test.name for test in tests})
     COSTS.write_text("name,seconds\n" + "".join(f"{name},{costs[name]}\n" for name in names), encoding="utf-8")
 

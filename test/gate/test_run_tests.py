@@ -84,13 +84,14 @@ class TestRunner:
         assert [one.name for one in left] == ["longer"]
 
     def test_record(self, tmp_path, monkeypatch):
-        """The cost of a test is its last line COST; tests that failed keep their cost, and those removed lose it."""
+        """The cost of a test is its last line COST; tests that failed or were skipped keep theirs, those removed lose
+        it."""
         file = tmp_path / "costs.csv"
         file.write_text("name,seconds\na,1.0\nb,2.0\ngone,3.0\n", encoding="utf-8")
         monkeypatch.setattr(run_tests, "COSTS", file)
         run_tests.record([("a", "failed", 9.0, "COST     7.00"), ("b", "passed", 9.0, "COST     1.00\nCOST     12.34"),
-                          ("c", "passed", 9.0, "COST     0.123"), ("d", "passed", 9.0, "no line")],
-                         [test(name, 0.0, "full") for name in "abcd"])
+                          ("c", "skipped", 9.0, "COST     0.123"), ("d", "passed", 9.0, "no line"),
+                          ("a", "skipped", 9.0, "COST     0.50")], [test(name, 0.0, "full") for name in "abcd"])
         assert file.read_text(encoding="utf-8") == "name,seconds\na,1.0\nb,12.3\nc,0.12\n"
 
     def test_choice(self):
