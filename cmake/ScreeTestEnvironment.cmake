@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # With what tests run: environment, mpiexec, Python.
 
-# More ranks than cores, root in a container and no network are the normal case of a test machine.
+# More ranks than cores, root in a container and no network are the normal case of a test machine; as in
+# test/support/case.py. Ranks and threads that wait release their cores to other tests.
 set(scree_test_environment
-   OMP_NUM_THREADS=2 OMP_PROC_BIND=false
+   OMP_NUM_THREADS=2 OMP_PROC_BIND=false OMP_WAIT_POLICY=passive OMPI_MCA_mpi_yield_when_idle=1
    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-   OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl=^tcp OMPI_MCA_btl_vader_single_copy_mechanism=none
+   OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl=self,vader OMPI_MCA_pml=ob1
+   OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
    OMPI_MCA_hwloc_base_binding_policy=none
    PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe PRTE_MCA_hwloc_default_binding_policy=none)
 set(scree_mpiexec "${MPIEXEC_EXECUTABLE}" ${MPIEXEC_PREFLAGS} ${MPIEXEC_NUMPROC_FLAG})
@@ -41,15 +43,18 @@ if(scree_without_pytest)
    message(WARNING "${scree_python} has no pytest: tests in Python are left out; scripts/setup.sh installs it.")
 endif()
 
-# Recorded seconds of the tests (scripts/run_tests.py --record), so that the longest start first and the
+# Commands behind these words print their processor time for the list of costs.
+set(scree_costing "${scree_python}" -S -E "${PROJECT_SOURCE_DIR}/test/support/cost.py")
+
+# Recorded processor time of the tests (scripts/run_tests.py --record), so that the longest start first and the
 # tiers can say how long they take.
 set(scree_costs_file "${PROJECT_SOURCE_DIR}/test/costs.csv")
 set_property(DIRECTORY "${PROJECT_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${scree_costs_file}")
 file(STRINGS "${scree_costs_file}" scree_costs)
 
-# Seconds of a test; 1 if it was never recorded.
+# Processor time of a test [s]; 0 if it was never recorded.
 function(scree_cost_of name result)
-   set(${result} 1 PARENT_SCOPE)
+   set(${result} 0 PARENT_SCOPE)
    list(FIND scree_cost_names "${name}" at)
    if(NOT at EQUAL -1)
       list(GET scree_cost_seconds ${at} seconds)

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-#   scree_unit_test(path/to/test_name.pf LABEL unit [LAYER material | ALONE])
-# builds one .pf file into one program that sees the modules of a folder of src/ and of those below
-# it (ALONE: of none), and registers it with CTest on as many ranks as its greatest npes. With the
-# label none it is only built. A test waits for the libraries that it sees and no others, so tests of
-# lower layers are compiled beside the upper ones. A test that needs an upper layer says so in a line
-# `! layer: io`.
+#   scree_unit_tests(unit_material FILES test_a.pf test_b.pf LABEL unit [LAYER material])
+# builds .pf files into one program that sees the modules of a folder of src/ and of those below it
+# (without LAYER: of none), and registers each file with CTest under its own name. A program without
+# arguments runs the tests of all files, with the name of a file those of this file, on as many ranks
+# as the greatest npes of the file; files with and without ranks are in different programs. With the
+# label none a program is only built. A program waits for the libraries that it sees and no others, so tests of lower
+# layers are compiled beside the upper ones.
+#
+# pFUnit makes one program of each file.
 
 # Tests are compiled once and run once: code that is not optimised is compiled in half the time.
 add_library(scree_unit_options INTERFACE)
@@ -33,15 +36,10 @@ function(scree_ranks_of file result)
    set(${result} ${greatest} PARENT_SCOPE)
 endfunction()
 
-function(scree_unit_test file)
-   cmake_parse_arguments(unit "ALONE" "LABEL;LAYER" "" ${ARGN})
-   get_filename_component(name "${file}" NAME_WE)
+function(scree_unit_tests program)
+   cmake_parse_arguments(unit "" "LABEL;LAYER" "FILES" ${ARGN})
    set(layers)
-   file(STRINGS "${file}" marks REGEX "^! layer: ")
-   if(marks MATCHES "^! layer: *([a-z]+)")
-      set(unit_LAYER "${CMAKE_MATCH_1}")
-   endif()
-   if(NOT unit_ALONE)
+   if(unit_LAYER)
       get_property(all_layers GLOBAL PROPERTY scree_layers)
       foreach(layer IN LISTS all_layers)
          list(APPEND layers ${layer})
@@ -50,21 +48,37 @@ function(scree_unit_test file)
          endif()
       endforeach()
    endif()
-   scree_ranks_of("${file}" ranks)
-   if(PFUNIT_FOUND)
-      scree_with_pfunit(${name} "${file}" ${ranks})
-   else()
-      scree_with_translator(${name} "${file}" ${ranks} ${unit_LABEL})
+   if(NOT PFUNIT_FOUND)
+      scree_translated_program(${program} "${unit_FILES}")
+      target_link_libraries(${program} ${layers} OpenMP::OpenMP_Fortran)
    endif()
-   target_link_libraries(${name} ${layers} OpenMP::OpenMP_Fortran)
-   if(TEST ${name})
-      scree_cost_of(${name} cost)
-      set_tests_properties(${name} PROPERTIES LABELS "${unit_LABEL};smoke;full" TIMEOUT 120
-         COST ${cost} ENVIRONMENT "${scree_test_environment}")
-      if(ranks GREATER 1)
-         set_tests_properties(${name} PROPERTIES PROCESSORS ${ranks})
+   if(unit_LABEL STREQUAL "none")
+      return()
+   endif()
+   foreach(file IN LISTS unit_FILES)
+      get_filename_component(name "${file}" NAME_WE)
+      scree_ranks_of("${file}" ranks)
+      if(PFUNIT_FOUND)
+         scree_with_pfunit(${name} "${file}" ${ranks})
+         target_link_libraries(${name} ${layers} OpenMP::OpenMP_Fortran)
+      elseif(NOT SCREE_MPI)
+         if(ranks LESS 2)
+            add_test(NAME ${name} COMMAND ${scree_costing} $<TARGET_FILE:${program}> ${name})
+         endif()
+      elseif(ranks GREATER 0)
+         add_test(NAME ${name} COMMAND ${scree_costing} ${scree_mpiexec} ${ranks} $<TARGET_FILE:${program}> ${name})
+      else()
+         add_test(NAME ${name} COMMAND ${scree_costing} $<TARGET_FILE:${program}> ${name})
       endif()
-   endif()
+      if(TEST ${name})
+         scree_cost_of(${name} cost)
+         set_tests_properties(${name} PROPERTIES LABELS "${unit_LABEL};smoke;full" TIMEOUT 120
+            COST ${cost} ENVIRONMENT "${scree_test_environment}")
+         if(ranks GREATER 1)
+            set_tests_properties(${name} PROPERTIES PROCESSORS ${ranks})
+         endif()
+      endif()
+   endforeach()
 endfunction()
 
 function(scree_with_pfunit name file ranks)
@@ -80,31 +94,23 @@ function(scree_with_pfunit name file ranks)
    target_link_libraries(${name} scree_mpi)
 endfunction()
 
-function(scree_with_translator name file ranks label)
-   set(folder "${CMAKE_CURRENT_BINARY_DIR}/${name}")
+function(scree_translated_program program files)
+   set(folder "${CMAKE_CURRENT_BINARY_DIR}/${program}")
    set(translator "${PROJECT_SOURCE_DIR}/test/pfunit/translate.py")
    file(MAKE_DIRECTORY "${folder}")
+   set(sources "${folder}/${program}.f90")
+   foreach(file IN LISTS files)
+      get_filename_component(name "${file}" NAME_WE)
+      list(APPEND sources "${folder}/${name}.f90")
+   endforeach()
    add_custom_command(
-      OUTPUT "${folder}/${name}.f90" "${folder}/run_${name}.f90"
-      COMMAND "${scree_python}" "${translator}" "${file}" "${folder}/${name}.f90"
-         "${folder}/run_${name}.f90"
-      DEPENDS "${file}" "${translator}"
-      COMMENT "Translating ${name}.pf" VERBATIM)
-   add_executable(${name} "${folder}/${name}.f90" "${folder}/run_${name}.f90")
-   set_target_properties(${name} PROPERTIES
+      OUTPUT ${sources}
+      COMMAND "${scree_python}" "${translator}" "${folder}" ${program} ${files}
+      DEPENDS ${files} "${translator}"
+      COMMENT "Translating the tests of ${program}" VERBATIM)
+   add_executable(${program} ${sources})
+   set_target_properties(${program} PROPERTIES
       Fortran_MODULE_DIRECTORY "${folder}" RUNTIME_OUTPUT_DIRECTORY "${folder}")
-   target_compile_options(${name} PRIVATE ${scree_line_flags})
-   target_link_libraries(${name} scree_unit_options scree_pfunit)
-   if(label STREQUAL "none")
-      return()
-   endif()
-   if(NOT SCREE_MPI)
-      if(ranks LESS 2)
-         add_test(NAME ${name} COMMAND ${name})
-      endif()
-   elseif(ranks GREATER 0)
-      add_test(NAME ${name} COMMAND ${scree_mpiexec} ${ranks} $<TARGET_FILE:${name}>)
-   else()
-      add_test(NAME ${name} COMMAND ${name})
-   endif()
+   target_compile_options(${program} PRIVATE ${scree_line_flags})
+   target_link_libraries(${program} scree_unit_options scree_pfunit)
 endfunction()

@@ -123,7 +123,7 @@ class Trial:
         """True if the test passes without a change; it is run only once."""
         if test.name not in self.sound:
             folder = self.shop.scratch / "sound"
-            for program in ([Path(test.command[-1]).name] if test.is_unit else PROGRAMS):
+            for program in test.programs:
                 self.shop.link(program, folder)
             self.sound[test.name] = self.shop.try_test(test, folder, cpu_limit(test)).code in (0, 77)
             if not self.sound[test.name]:
@@ -161,14 +161,12 @@ class Trial:
                 if spent > self.budget:
                     row["note"] = f"tests left out: {len(tests) - number}; "
                     break
-            for program in ([Path(test.command[-1]).name] if test.is_unit else PROGRAMS):
+            for program in test.programs:
                 if program not in linked:
                     self.shop.link(program, folder, made, mutant.file)
                     linked.add(program)
             ended = self.shop.try_test(test, folder, cpu_limit(test))
             number += 1
-            if test.is_unit:
-                (folder / Path(test.command[-1]).name).unlink()
             if ended.code not in (0, 77) and self.passes(test):
                 row.update(outcome="timed out" if ended.late else "killed", by=test.name)
                 break

@@ -10,7 +10,6 @@ target that is not met yet) or SKIPPED (a part that cannot run on this machine) 
 
 import argparse
 import json
-import math
 import os
 import re
 import subprocess
@@ -22,13 +21,14 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 COSTS = ROOT / "test/costs.csv"
 NEXT_TIER = {"smoke": "full", "full": "long"}
-SHARES = 3      # number of groups of the long tests, one of which is run at a time
+CORES = 2       # of the machine for which the limits hold
+USED = 0.9      # fraction of the time of the cores that tests use; the rest is lost by waiting
+# Greatest duration of the tests of a tier on that machine [s], according to the list of costs; test/gate/test_costs.py
+# checks it. The smoke tier leaves a minute of the four of scripts/test.sh for the build of the tests.
+LIMITS = {"smoke": 180.0, "full": 1500.0}
+MINUTES = 34.0  # time for the tests with --long-share: setup and build take 5 to 6 minutes of the 40 of .ci/run
 DAY = 86400
-UNKNOWN = 1.0   # cost of a test without a recorded duration
-PRESUMED = 600.0  # assumed duration of a long test without a recorded one [s], so that no share gets all of them
-LEAST = 180.0   # [s]; a test without a recorded duration starts only if at least this time is left
-SLACK = 10.0    # [s]; CTest may end tests this much before the time limit
-STOPPED = re.compile(r"Test +#\d+: (\S+) \.+\*\*\*Timeout")
+UNKNOWN = 0.0   # cost of a test that was never recorded
 
 
 class Test:
@@ -51,52 +51,53 @@ def listed(folder, options):
     return [Test(entry) for entry in json.loads(answer.stdout)["tests"]]
 
 
-def long_share(tests, share):
-    """One of SHARES groups of the long tests. The groups have about the same cost, and every test is in exactly one of
-    them."""
-    def work(test):
-        return (PRESUMED if test.cost == UNKNOWN else test.cost) * test.cores
-
-    groups = [[] for _ in range(SHARES)]
-    for test in sorted(tests, key=lambda test: (-work(test), test.name)):
-        min(groups, key=lambda group: sum(map(work, group))).append(test)
-    return groups[share]
-
-
-def in_time(tests, extra, seconds, jobs):
-    """The tests of `extra` that can end within the time when they are run together with `tests`, and the other tests of
-    `extra`."""
-    chosen, left = list(tests), []
-    for test in sorted(extra, key=lambda test: test.cost):
-        (chosen if expected([*chosen, test], jobs) <= seconds else left).append(test)
-    return chosen[len(tests):], left
+def long_groups(tests, seconds, jobs):
+    """Groups of long tests, each of which ends within the time; every test that fits is in exactly one of them. Returns
+    the groups, and the tests that do not fit or were never recorded."""
+    left = [test for test in tests if test.cost == UNKNOWN or expected([test], jobs) > seconds]
+    groups = []
+    for test in sorted((test for test in tests if test not in left), key=lambda test: (-test.cost, test.name)):
+        fitting = (group for group in groups if expected([*group, test], jobs) <= seconds)
+        group = next(fitting, None)
+        if group is None:
+            groups.append([test])
+        else:
+            group.append(test)
+    return groups, left
 
 
 def choose(tests, choice, filtered):
-    """The tests to run, and the long tests without a recorded duration, which start when all others have ended and run
-    in the remaining time. The tests are those of the named tiers. With a filter but no tier they are those of tier
-    `full`, or all tests that match if none of these is in `full`."""
+    """The tests to run, those of the named tiers. With a filter but no tier they are those of tier `full`, or all tests
+    that match if none of these is in `full`."""
     tiers = [name for name in ("smoke", "full", "long") if getattr(choice, name)]
     if not tiers:
         tiers = ["full"] if filtered else ["smoke"]
         if filtered and not any("full" in test.labels for test in tests):
-            return tests, []
-    chosen, tried = [test for test in tests if test.labels & set(tiers)], []
-    if choice.long_share is not None:
-        share = long_share([test for test in tests if "long" in test.labels and test not in chosen], choice.long_share)
-        tried = in_turns([test for test in share if test.cost == UNKNOWN], choice.day)
-        extra, left = in_time(chosen, [test for test in share if test.cost != UNKNOWN], 60.0 * choice.minutes,
-                              choice.jobs)
-        for test in left:
-            print(f"NOT RUN  {test.name}: it takes {minutes(test.cost)}, so it may not end in time")
-        chosen += extra
-    return chosen, tried
+            return tests
+    return [test for test in tests if test.labels & set(tiers)]
 
 
-def in_turns(tests, day):
-    """The same tests in cyclic order: the first test changes from day to day, so that each is the first on some day."""
-    first = day // SHARES % len(tests) if tests else 0
-    return tests[first:] + tests[:first]
+def share(tests, chosen, choice):
+    """The long tests of today's group. The groups take the time that `chosen` leaves according to the list of costs, so
+    that they are the same every day."""
+    rest = [test for test in tests if "long" in test.labels and test not in chosen]
+    groups, left = long_groups(rest, 60.0 * choice.minutes - expected(chosen, choice.jobs), choice.jobs)
+    table("Long tests that are never in a group (scripts/test.sh --long)",
+          [(test.name, minutes(expected([test], choice.jobs)) if test.cost else
+            "never recorded: scripts/test.sh --long --record -R NAME") for test in left])
+    if not groups:
+        return []
+    number = choice.long_share % len(groups)
+    print(f"\nLong tests: group {number + 1} of {len(groups)}", flush=True)
+    return groups[number]
+
+
+def in_time(tests, seconds, jobs):
+    """The tests that can end within the time when they are run together, and the others."""
+    chosen, left = [], []
+    for test in sorted(tests, key=lambda test: -test.cost):
+        (chosen if expected([*chosen, test], jobs) <= seconds else left).append(test)
+    return chosen, left
 
 
 def minutes(seconds):
@@ -106,8 +107,8 @@ def minutes(seconds):
 
 def expected(tests, jobs):
     """Duration of tests on `jobs` cores [s], by the recorded costs."""
-    work = sum(test.cost * min(test.cores, jobs) for test in tests) / jobs
-    return max([work] + [test.cost for test in tests])
+    work = sum(test.cost for test in tests) / jobs
+    return max([work] + [test.cost / min(test.cores, jobs) for test in tests]) / USED
 
 
 def outcomes(file):
@@ -142,13 +143,17 @@ def marked(results, word):
 
 
 def record(results, tests):
-    """Write the durations of tests that passed into the list of costs. Entries of other tests do not change; entries of
-    tests that do not exist any more are removed."""
+    """Write the processor times of tests that passed into the list of costs, and of those that were skipped and have
+    no entry. Entries of other tests do not change; entries of tests that do not exist any more are removed."""
     costs = {}
     for line in COSTS.read_text(encoding="utf-8").splitlines()[1:]:
         name, seconds = line.rsplit(",", 1)
         costs[name] = seconds
-    costs.update({name: f"{max(seconds, 0.1):.1f}" for name, result, seconds, _ in results if result == "passed"})
+    counted = {name for name, result, _, _ in results
+               if result == "passed" or result == "skipped" and name not in costs}
+    # a test may print the lines of others; its own is the last
+    costs.update({name: f"{max(float(text), 0.01):.2f}" if float(text) < 1.0 else f"{float(text):.1f}"
+                  for name, text in marked(results, "COST") if name in counted})
     names = sorted(set(costs) & {test.name for test in tests})
     COSTS.write_text("name,seconds\n" + "".join(f"{name},{costs[name]}\n" for name in names), encoding="utf-8")
 
@@ -193,62 +198,55 @@ def arguments():
     parser.add_argument("--folder", type=lambda text: Path(text).resolve(), default=ROOT / "build")
     for word in ("smoke", "full", "long", "record"):
         parser.add_argument(f"--{word}", action="store_true")
-    today = int(time.time() // DAY)
-    parser.add_argument("--long-share", type=int, nargs="?", const=today % SHARES, choices=range(SHARES))
-    parser.add_argument("--minutes", type=float, default=65.0)
+    parser.add_argument("--long-share", type=int, nargs="?", const=int(time.time() // DAY))
+    parser.add_argument("--minutes", type=float, default=MINUTES)
     for word in ("-R", "-E", "-L", "-LE"):
         parser.add_argument(word, dest="filters", action=Filter)
-    parser.set_defaults(filters=[], day=today)
+    parser.set_defaults(filters=[])
     parser.add_argument("--jobs", "-j", type=int, default=int(os.environ.get("TEST_JOBS", os.cpu_count() or 2)))
     return parser.parse_known_args()
 
 
-def run_ctest(tests, choice, options, end=math.inf):
-    """Run tests with CTest, at most until `end`. Returns the exit code, the results, and the names of the tests that
-    were stopped at this time. A test that exceeds its own time limit before has failed."""
+def run_ctest(tests, choice, options):
+    """Run tests with CTest. Returns the exit code and the results."""
     names = "|".join(re.escape(test.name).replace("\\-", "-").replace("\\/", "/") for test in tests)
     file = choice.folder / "Testing/results.xml"
     file.unlink(missing_ok=True)
     command = ["ctest", "--output-on-failure", "--no-tests=error", "-j", str(choice.jobs), *options,
                "-R", f"^({names})$", "--output-junit", str(file), "--test-output-size-passed", "1000000",
                "--test-output-size-failed", "1000000"]
-    stopped = []
-    with subprocess.Popen(command, cwd=choice.folder, stdout=subprocess.PIPE, text=True, errors="replace") as process:
-        for line in process.stdout:
-            print(line, end="", flush=True)
-            match = STOPPED.search(line)
-            if match and time.time() > end - SLACK:
-                stopped.append(match.group(1))
-    return process.returncode, outcomes(file) if file.is_file() else [], stopped
+    code = subprocess.run(command, cwd=choice.folder, check=False).returncode
+    return code, outcomes(file) if file.is_file() else []
 
 
-def try_in_time(tests, choice, options, end):
-    """Run tests without a recorded duration until the time `end`. Returns the results of those that have ended, and
-    prints the names of the others."""
-    results = []
-    if end - time.time() > LEAST:
-        clock = time.strftime("%H:%M:%S", time.localtime(end))
-        _, results, stopped = run_ctest(tests, choice, [*options, "--stop-time", clock], end)
-        results = [result for result in results if result[0] not in stopped]
-    ended = {name for name, _, _, _ in results}
-    table("Not ended in time, and never recorded", [(test.name,) for test in tests if test.name not in ended])
-    return results
+def run_share(tests, choice, options, spent):
+    """Run the long tests that end in the remaining time, on a machine as fast as `spent`, measured and expected time of
+    the tests before, tells. Returns the exit code and the results."""
+    measured, recorded = spent
+    slower = max(1.0, measured / recorded) if recorded else 1.0
+    chosen, left = in_time(tests, (60.0 * choice.minutes - measured) / slower, choice.jobs)
+    table("Not run, because the tests before took longer than expected", [(test.name,) for test in left])
+    return run_ctest(chosen, choice, options) if chosen else (0, [])
 
 
 def main():
     """Select the tests, run them and print the report."""
     choice, options = arguments()
     everything = listed(choice.folder, [])
-    chosen, tried = choose(listed(choice.folder, choice.filters), choice, bool(choice.filters))
+    named = listed(choice.folder, choice.filters)
+    chosen = choose(named, choice, bool(choice.filters))
     if not chosen:
         sys.exit("no test fits these options; all names: ctest --test-dir build -N")
     print(f"{len(chosen)} tests, {choice.jobs} at a time, about {minutes(expected(chosen, choice.jobs))}", flush=True)
+    extra = share(named, chosen, choice) if choice.long_share is not None else []
     begin = time.time()
-    code, results, _ = run_ctest(chosen, choice, options)
+    code, results = run_ctest(chosen, choice, options)
     if not results:
         sys.exit(code or 1)
-    if tried:
-        results += try_in_time(tried, choice, options, begin + 60.0 * choice.minutes)
+    if extra:
+        spent = time.time() - begin, expected(chosen, choice.jobs)
+        more, found = run_share(extra, choice, options, spent)
+        code, results = code or more, results + found
     good = report(results, choice, everything, time.time() - begin)
     if choice.record:
         record(results, everything)

@@ -5,18 +5,17 @@
 # Installs missing packages, builds the program, and runs the tests of one tier:
 #
 #   scripts/test.sh                smoke: every part of the program, at most 4 minutes on 2 cores
-#   scripts/test.sh --full         all default tests
+#   scripts/test.sh --full         all default tests, at most 25 minutes
 #   scripts/test.sh --long         studies that take many minutes each
 #   scripts/test.sh -R deck        tests of --full with deck in their names
 #   scripts/test.sh -L unit       unit, verify, invariance, input, hard, random, gate or bench
 #
-#   --long-share [K]  also run a third of the long tests: K = 0, 1, 2 (default: changes every day);
-#                     tests without a recorded duration start last, and tests that do not finish in
-#                     time are listed
-#   --minutes N       time limit for all tests with --long-share (default 65)
+#   --long-share [K]  also run a group of long tests that end in the remaining time; K is
+#                     the number of the group (default: the next one every day)
+#   --minutes N       time limit for all tests with --long-share (default 34)
 #   --debug           build and test the Debug build, with bounds and floating point checks
 #   --no-setup        do not check for or install missing packages
-#   --record          write the duration of the tests to test/costs.csv
+#   --record          write the processor time of the tests to test/costs.csv
 #   --jobs N          number of cores (default: all, or TEST_JOBS of the environment)
 #   --help            print this text (ctest --help: all options)
 #

@@ -17,6 +17,7 @@ CTest starts one file at a time (cmake/ScreeScriptTest.cmake). The exit code is 
 
 import os
 import re
+import resource
 import shutil
 import time
 from pathlib import Path
@@ -25,6 +26,7 @@ from types import SimpleNamespace
 import pytest
 
 import case
+import cost
 import measured
 import report
 import tier
@@ -50,6 +52,8 @@ def pytest_configure(config):
     tier.NAME = config.getoption("tier")
     # programs that a test starts read it as well
     os.environ["SCREE_TIER"] = tier.NAME
+    for name, value in case.PATIENT.items():
+        os.environ.setdefault(name, value)
     config.stash[RECORDED] = {}
     config.stash[SPENT] = {"begin": time.time(), "passed": 0, "failed": 0, "skipped": 0}
 
@@ -199,3 +203,8 @@ def pytest_sessionfinish(session, exitstatus):
             for name in measured.missing(names, os.path.relpath(path, case.ROOT)):
                 print(f"FAILED   {path.name} no longer measures {name}, which a page shows", flush=True)
                 session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_unconfigure():
+    """Print the processor time of this file, for the list of costs."""
+    print(cost.line(resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)), flush=True)

@@ -41,8 +41,13 @@ class Test:
 
     @property
     def is_unit(self) -> bool:
-        """True for a unit test: one program, made of one file of test/unit."""
+        """True for a unit test: the part of a program that is made of one file of test/unit."""
         return "unit" in self.labels
+
+    @property
+    def programs(self) -> Tuple[str, ...]:
+        """The programs that the test runs. The command of a unit test ends with program and name of the file."""
+        return (Path(self.command[-2]).name,) if self.is_unit else PROGRAMS
 
 
 class Workshop:
@@ -113,7 +118,7 @@ class Workshop:
         for entry in json.loads(listed)["tests"]:
             values = {item["name"]: item["value"] for item in entry.get("properties", ())}
             labels = frozenset(values.get("LABELS", ()))
-            if not labels & LEFT_OUT:
+            if not labels & LEFT_OUT and not entry["name"].startswith("unit/"):
                 self.tests[entry["name"]] = Test(
                     entry["name"], tuple(entry["command"]), labels, float(values.get("COST", 1.0)),
                     values.get("WORKING_DIRECTORY", str(self.build)), tuple(values.get("ENVIRONMENT", ())))
@@ -157,7 +162,7 @@ class Workshop:
         work = Path(tempfile.mkdtemp(prefix="w", dir=self.scratch))
         words = list(test.command)
         if test.is_unit:
-            words[-1] = str(folder / Path(words[-1]).name)
+            words[-2] = str(folder / test.programs[0])
         else:
             words[words.index("--scree") + 1] = str(folder / "scree")
             words[words.index("--work") + 1] = str(work / "case")
@@ -213,14 +218,14 @@ class Workshop:
             if found["key"] == key:
                 return dict(found["lines"])
         folder = self.cover / "bin"
-        for program in ([Path(test.command[-1]).name] if test.is_unit else PROGRAMS):
+        for program in test.programs:
             if test.is_unit or not (folder / program).is_file():
                 self.link_covered(program, folder)
         for path in self.cover.rglob("*.gcda"):
             path.unlink()
         self.try_test(test, folder, 60.0 + 30.0 * test.cost)
         if test.is_unit:
-            (folder / Path(test.command[-1]).name).unlink()
+            (folder / test.programs[0]).unlink()
         lines = self.counted()
         kept.parent.mkdir(exist_ok=True)
         fresh = kept.with_suffix(".new")

@@ -49,6 +49,13 @@ SOURCES = project_files(".f90", under="src")
 MODULES = [Module(path) for path in SOURCES if path.name not in ("main.f90", "mpi_f08.f90")]
 
 
+def test_no_source_includes_another():
+    """The build does not track included files (scripts/build.sh): a changed one would not be compiled again."""
+    offences = [place(path, number) for path in project_files(".f90", ".pf", ".in")
+                for number, line in enumerate(lines_of(path), 1) if re.match(r"\s*#?\s*include\s*['\"]", line, re.I)]
+    assert offences == []
+
+
 def folder_of(module):
     """The folder of src/ that contains a module; a module may be in a subfolder for one variant of the build."""
     return module.path.relative_to(ROOT / "src").parts[0]

@@ -2,8 +2,9 @@
 # tiers: smoke
 """The test runner, and the marks at the beginning of test files.
 
-Would catch a long test that is in none of the three parts, a failed test or one that could not start that is counted as
-passed or skipped, a known miss or a skipped part that is not listed, and a misspelt mark, which CMake would ignore.
+Would catch a long test that is in none of the groups, one that starts without a known duration, a failed test or one
+that could not start that is counted as passed or skipped, a known miss or a skipped part that is not listed, and a
+misspelt mark, which CMake would ignore.
 """
 
 import re
@@ -40,8 +41,7 @@ def test(name, cost, *labels, cores=1):
 def choice(*words, share=None):
     """The options of a user."""
     return type("Choice", (), {"smoke": False, "full": False, "long": False, "long_share": share,
-                               "minutes": 70.0, "jobs": 2, "day": 0,
-                               **{word: True for word in words}})
+                               "minutes": 70.0, "jobs": 2, **{word: True for word in words}})
 
 
 class TestRunner:
@@ -57,63 +57,59 @@ class TestRunner:
         assert run_tests.marked(found, "KNOWN") == [("good", "energy lost [%]: 7.5 (target <= 2, limit 10)")]
         assert run_tests.marked(found, "SKIPPED") == [("good", "full disk: no file system for it")]
 
-    def test_thirds(self):
-        """Every long test is in exactly one of the three parts, and the parts take about the same time."""
-        tests = [test(f"t{number}", 10.0 * number, "long", cores=1 + number % 2) for number in range(1, 20)]
-        groups = [run_tests.long_share(tests, share) for share in range(run_tests.SHARES)]
-        assert sorted(one.name for group in groups for one in group) == sorted(one.name for one in tests)
-        work = [sum(one.cost * one.cores for one in group) for group in groups]
-        assert max(work) < 1.2 * min(work)
-        unknown = [test(f"u{number}", run_tests.UNKNOWN, "long") for number in range(9)]
-        groups = [run_tests.long_share([*tests[:2], *unknown], share) for share in range(run_tests.SHARES)]
-        assert [sum(one in unknown for one in group) for group in groups] == [3, 3, 3]
+    def test_groups(self):
+        """Every long test that fits is in exactly one group, and each group ends within the time."""
+        tests = [test(f"t{number}", 40.0 * number, "long", cores=1 + number % 2) for number in range(1, 20)]
+        tests += [test("unknown", run_tests.UNKNOWN, "long"), test("longer", 1800.0, "long")]
+        groups, left = run_tests.long_groups(tests, 900.0, 2)
+        assert [one.name for one in left] == ["unknown", "longer"]
+        assert sorted(one.name for group in groups for one in group) == sorted(one.name for one in tests[:-2])
+        assert len(groups) < 8      # 7600 s of work, 1620 s in a group
+        assert all(run_tests.expected(group, 2) <= 900.0 for group in groups)
+
+    def test_share(self, capsys):
+        """All tests that fit have their day, none of unknown duration starts, and those left out are named."""
+        tests = [test("full", 600, "full"), test("unknown", run_tests.UNKNOWN, "long"), test("longer", 9999, "long")]
+        tests += [test(f"t{n}", 3000, "long", cores=2) for n in range(6)]
+        found = [run_tests.share(tests, tests[:1], choice("full", share=day)) for day in range(3)]
+        assert sorted(one.name for group in found for one in group) == [f"t{n}" for n in range(6)]
+        said = capsys.readouterr().out
+        assert said.count("unknown") == said.count("longer") == 3
 
     def test_in_time(self):
-        """No test is started that is known not to end within the limit."""
-        tests = [test("full", 600, "full")]
-        extra = [test("short", 300, "long"), test("long", 3000, "long"), test("longer", 3000, "long")]
-        chosen, left = run_tests.in_time(tests, extra, 3000.0, 2)
-        assert [one.name for one in chosen] == ["short", "long"]
+        """No test is started that is known not to end within the remaining time."""
+        extra = [test("short", 300, "long"), test("long", 2000, "long"), test("longer", 9000, "long")]
+        chosen, left = run_tests.in_time(extra, 3000.0, 2)
+        assert [one.name for one in chosen] == ["long", "short"]
         assert [one.name for one in left] == ["longer"]
 
-    def test_never_recorded(self):
-        """Long tests of unknown duration are run in the remaining time; the order changes daily, so that each of them
-        is first on some day."""
-        tests = [test("full", 600, "full")] + [test(f"t{n}", run_tests.UNKNOWN, "long") for n in range(6)]
-        found = []
-        for day in range(3 * run_tests.SHARES):
-            flags = choice("full", share=day % run_tests.SHARES)
-            flags.day = day
-            chosen, tried = run_tests.choose(tests, flags, False)
-            assert [one.name for one in chosen] == ["full"]
-            found.append(tried[0].name)
-        assert set(found) == {f"t{n}" for n in range(6)}
-
-    def test_stopped(self):
-        """A test that is stopped by a time limit is distinguished from one that fails."""
-        line = "1/3 Test #14: hard/test_kill.long ......***Timeout   5.67 sec"
-        assert run_tests.STOPPED.search(line).group(1) == "hard/test_kill.long"
-        assert run_tests.STOPPED.search(line.replace("Timeout", "Failed")) is None
+    def test_record(self, tmp_path, monkeypatch):
+        """The cost of a test is its last line COST; tests that failed or were skipped keep theirs, those removed lose
+        it."""
+        file = tmp_path / "costs.csv"
+        file.write_text("name,seconds\na,1.0\nb,2.0\ngone,3.0\n", encoding="utf-8")
+        monkeypatch.setattr(run_tests, "COSTS", file)
+        run_tests.record([("a", "failed", 9.0, "COST     7.00"), ("b", "passed", 9.0, "COST     1.00\nCOST     12.34"),
+                          ("c", "skipped", 9.0, "COST     0.123"), ("d", "passed", 9.0, "no line"),
+                          ("a", "skipped", 9.0, "COST     0.50")], [test(name, 0.0, "full") for name in "abcd"])
+        assert file.read_text(encoding="utf-8") == "name,seconds\na,1.0\nb,12.3\nc,0.12\n"
 
     def test_choice(self):
-        """Tiers, filters and parts select the tests that they name."""
+        """Tiers and filters select the tests that they name."""
         tests = [test("a", 1, "unit", "smoke", "full"), test("b", 1, "full"), test("b.smoke", 1, "smoke"),
                  test("c", 2, "long"), test("d", 1, "bench")]
-        for expected, words, share, filtered in (
-                (["a", "b.smoke"], (), None, False), (["a", "b"], ("full",), None, False),
-                (["a", "b"], (), None, True), (["c"], ("long",), None, False),
-                (["a", "b.smoke"], ("smoke",), None, True)):
-            names = [one.name for one in run_tests.choose(tests, choice(*words, share=share), filtered)[0]]
-            assert names == expected
-        assert [one.name for one in run_tests.choose(tests[4:], choice(), True)[0]] == ["d"]
-        found = [one.name for share in range(3)
-                 for one in run_tests.choose(tests, choice("full", share=share), False)[0]]
-        assert (found.count("a"), found.count("c")) == (3, 1)
+        for expected, words, filtered in (
+                (["a", "b.smoke"], (), False), (["a", "b"], ("full",), False), (["a", "b"], (), True),
+                (["c"], ("long",), False), (["a", "b.smoke"], ("smoke",), True)):
+            assert [one.name for one in run_tests.choose(tests, choice(*words), filtered)] == expected
+        assert [one.name for one in run_tests.choose(tests[4:], choice(), True)] == ["d"]
 
     def test_time(self):
-        """The estimate is not below the longest test, nor below the total work divided by the number of cores."""
-        assert run_tests.expected([test("a", 10, cores=2), test("b", 4)], 2) == 12.0
-        assert run_tests.expected([test("a", 10), test("b", 4)], 2) == 10.0
+        """The estimate is not below that of the longest test, nor below the work divided by the number of cores."""
+        used = run_tests.USED
+        assert abs(run_tests.expected([test("a", 10, cores=2), test("b", 4)], 2) * used - 7.0) < 1e-12
+        assert abs(run_tests.expected([test("a", 10), test("b", 4)], 2) * used - 10.0) < 1e-12
+        assert abs(run_tests.expected([test("a", 30, cores=2), test("b", 4)], 2) * used - 17.0) < 1e-12
 
 
 class TestMarks:

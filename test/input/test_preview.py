@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# tiers: smoke
+# tiers: smoke, full
 # cores: 2
 """`scree --preview`, the file of walls of each run, and both in pictures.
 
@@ -19,6 +19,7 @@ import shutil
 import subprocess
 
 import numpy as np
+import pytest
 
 import case
 import post_command
@@ -273,6 +274,7 @@ def previews(options, sheet, run):
     sheet.require(answer.returncode == 0, f"of the results of a run: {answer.stderr}")
 
 
+@pytest.mark.tiers("full")
 def test_preview(options, sheet):
     """All tests of previews."""
     run = plane(options, sheet)

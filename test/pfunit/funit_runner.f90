@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Runs the tests of one file on one rank.
+!> Runs tests on one rank.
 module funit_runner
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: output_unit
@@ -7,7 +7,7 @@ module funit_runner
    implicit none
    private
 
-   public :: finish_tests, quit, run_test, summary_t
+   public :: finish_tests, is_wanted, quit, run_test, summary_t
 
    !> Results so far.
    type :: summary_t
@@ -54,6 +54,20 @@ contains
       write (output_unit, "(i0, a, i0, a)") self%tests, " tests, ", self%failed, " failed"
       flush (output_unit)
    end subroutine summary_print
+
+   !> True if the arguments of the program name this module, or if there are none.
+   function is_wanted(module_name) result(wanted)
+      character(len=*), intent(in) :: module_name     !! Such as test_base_text
+      logical :: wanted
+      character(len=80) :: word
+      integer :: number
+
+      wanted = command_argument_count() == 0
+      do number = 1, command_argument_count()
+         call get_command_argument(number, word)
+         wanted = wanted .or. word == module_name
+      end do
+   end function is_wanted
 
    !> Run one test. It does not run if its setup fails.
    subroutine run_test(summary, name, method, before, after)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Runs the tests of one file on several ranks.
+!> Runs tests on several ranks.
 module pfunit_runner
    use, intrinsic :: iso_c_binding, only: c_int
    use funit_report, only: anyexceptions, begin_test, failures_of_test, set_rank_text, throw

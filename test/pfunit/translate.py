@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Translate a pFUnit file (.pf) to plain Fortran, for machines without pFUnit.
+"""Translate pFUnit files (.pf) to plain Fortran, for machines without pFUnit.
 
-    translate.py test_name.pf test_name.f90 run_test_name.f90
+    translate.py FOLDER PROGRAM test_a.pf test_b.pf ...
 
-writes the module with its directives expanded, line by line, and a program that runs its tests.
+writes into FOLDER each module with its directives expanded, line by line, and PROGRAM.f90, which runs the tests of all
+modules, or of those that its arguments name. A file whose content is the same as before is not written.
 Supported are @test, @test(npes=[1,2]), @before, @after, @assertEqual, @assertTrue, @assertFalse,
 @assertLessThan and @assertGreaterThan, as pFUnit 4 has them: a directive stands on one line, and
 the subroutine that it marks begins on the next line. Everything else is an error.
@@ -167,42 +168,53 @@ class Translator:
         """The module; messages of the compiler refer to lines of the .pf file."""
         return f'# 1 "{self.path}"\n' + "\n".join(self.lines) + "\n"
 
-    def program_text(self):
-        """The program that runs the tests."""
-        parallel = any(ranks for _, ranks in self.tests)
-        names = [name for name, _ in self.tests] + list(self.fixtures.values())
-        fixtures = "".join(f", {kind}={name}" for kind, name in self.fixtures.items())
-        text = ["! SPDX-License-Identifier: BSD-3-Clause", f"program run_{self.module}"]
-        if parallel:
-            text.append("   use pfunit_runner, only: finish_ranks, run_on_ranks, run_on_root, start_ranks")
-            text.append("   use funit_runner, only: summary_t")
-        else:
-            text.append("   use funit_runner, only: finish_tests, run_test, summary_t")
-        text += [f"   use {self.module}, only: {name}" for name in names]
-        text += ["   implicit none", "   type(summary_t) :: summary", ""]
-        if parallel:
-            text.append("   call start_ranks()")
-        for name, ranks in self.tests:
+
+def program_text(name, translators):
+    """The program that runs the tests of all modules."""
+    parallel = any(ranks for one in translators for _, ranks in one.tests)
+    uses, calls = [], []
+    for one in translators:
+        # tests of two modules may have the same name
+        local = {known: f"t{len(uses) + number}_{known}"[:63] for number, known in
+                 enumerate([known for known, _ in one.tests] + list(one.fixtures.values()))}
+        uses += [f"   use {one.module}, only: {alias} => {known}" for known, alias in local.items()]
+        fixtures = "".join(f", {kind}={local[known]}" for kind, known in one.fixtures.items())
+        calls.append(f'   if (is_wanted("{one.module}")) then')
+        for known, ranks in one.tests:
             if ranks is None:
                 call = "run_on_root" if parallel else "run_test"
-                text.append(f'   call {call}(summary, "{name}", {name}{fixtures})')
-            for number in ranks or []:
-                text.append(
-                    f'   call run_on_ranks(summary, "{name}", {name}, {number}{fixtures})'
-                )
-        text.append("   call finish_ranks(summary)" if parallel else "   call finish_tests(summary)")
-        text.append(f"end program run_{self.module}")
-        return "\n".join(text) + "\n"
+                calls.append(f'      call {call}(summary, "{known}", {local[known]}{fixtures})')
+            calls += [f'      call run_on_ranks(summary, "{known}", {local[known]}, {number}{fixtures})'
+                      for number in ranks or []]
+        calls.append("   end if")
+    text = ["! SPDX-License-Identifier: BSD-3-Clause", f"program {name}"]
+    if parallel:
+        text.append("   use pfunit_runner, only: finish_ranks, run_on_ranks, run_on_root, start_ranks")
+        text.append("   use funit_runner, only: is_wanted, summary_t")
+    else:
+        text.append("   use funit_runner, only: finish_tests, is_wanted, run_test, summary_t")
+    text += [*uses, "   implicit none", "   type(summary_t) :: summary", ""]
+    if parallel:
+        text.append("   call start_ranks()")
+    text += calls
+    text += ["   call finish_ranks(summary)" if parallel else "   call finish_tests(summary)", f"end program {name}"]
+    return "\n".join(text) + "\n"
+
+
+def write(path, text):
+    """Write a file if its content changes, so that only then it is compiled."""
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
 
 
 def main(arguments):
     """Translate, or check, from the command line."""
     check = arguments[:1] == ["--check"]
-    if not check and len(arguments) != 3:
+    if not check and len(arguments) < 3:
         print(__doc__, file=sys.stderr)
         return 2
-    errors = 0
-    for source in arguments[1:] if check else arguments[:1]:
+    translators, errors = [], 0
+    for source in arguments[1:] if check else arguments[2:]:
         translator = Translator(source)
         try:
             translator.run()
@@ -210,10 +222,15 @@ def main(arguments):
             print(error, file=sys.stderr)
             errors += 1
             continue
-        if not check:
-            Path(arguments[1]).write_text(translator.module_text(), encoding="utf-8")
-            Path(arguments[2]).write_text(translator.program_text(), encoding="utf-8")
-    return 1 if errors else 0
+        translators.append(translator)
+    if errors:
+        return 1
+    if not check:
+        folder, name = Path(arguments[0]), arguments[1]
+        for translator in translators:
+            write(folder / f"{translator.module}.f90", translator.module_text())
+        write(folder / f"{name}.f90", program_text(name, translators))
+    return 0
 
 
 if __name__ == "__main__":

@@ -25,17 +25,23 @@ import tier
 
 ROOT = Path(__file__).resolve().parents[2]
 # Open MPI refuses to run as root and with more ranks than cores unless this is allowed, and would bind all threads of a
-# rank to one core. Ranks of one machine need no TCP; without a network Open MPI 5 prints errors about it.
+# rank to one core. Ranks of one machine need only shared memory: the search for networks takes a second at the start of
+# each run, and without a network Open MPI 5 prints errors. A run without mpiexec needs no daemon.
 OPEN_MPI = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_hwloc_base_binding_policy": "none",
-    "OMPI_MCA_btl": "^tcp",
+    "OMPI_MCA_btl": "self,vader",
+    "OMPI_MCA_pml": "ob1",
+    "OMPI_MCA_ess_singleton_isolated": "1",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
     "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
     "PRTE_MCA_hwloc_default_binding_policy": "none",
 }
+
+# Several tests run at once: ranks and threads that wait release their cores.
+PATIENT = {"OMP_WAIT_POLICY": "passive", "OMPI_MCA_mpi_yield_when_idle": "1"}
 
 
 def arguments(description=None):

@@ -39,7 +39,7 @@ def translate(text):
         source = Path(folder, "test_x.pf")
         source.write_text(text, encoding="utf-8")
         answer = subprocess.run(
-            [sys.executable, HERE.parent / "translate.py", source, f"{folder}/a", f"{folder}/b"],
+            [sys.executable, HERE.parent / "translate.py", folder, "run_x", source],
             capture_output=True, text=True,
         )
         return answer.returncode, answer.stderr
