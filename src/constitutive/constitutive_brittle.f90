@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Common parts of the models of brittle failure: principal values and random strength.
+!> Common parts of the models of brittle failure: principal values, random strength, and the volume
+!! on which the strength depends.
 module constitutive_brittle
    use base_deck_group, only: group_t
    use base_elementary, only: logarithm, power
@@ -12,7 +13,7 @@ module constitutive_brittle
    private
 
    public :: declare_brittle, draw_weibull, random_exponential, find_extremes, read_weibull, &
-      bound_deviator, weibull_t
+      bound_deviator, slice_t, weibull_t
 
    !> Scatter of strength after W. Weibull, J. Appl. Mech. 18 (1951) 293: the probability that a
    !! volume V fails below f times the characteristic strength is 1 - exp(-V/V0 f**m).
@@ -20,6 +21,14 @@ module constitutive_brittle
       real(wp) :: modulus = 1.0_wp                   !! m [1]
       real(wp) :: volume = 0.0_wp !! V0, 0 if strength does not depend on size [m3]
    end type weibull_t
+
+   !> Extent of the particles in the directions that are not computed.
+   type :: slice_t
+      real(wp) :: depth = 1.0_wp                     !! Length or area [m**(3 - d)]
+      real(wp) :: exponent = 1.0_wp                  !! 3/d for d directions; 1 in axisymmetry [1]
+   contains
+      procedure :: volume => slice_volume            !! Volume that a particle represents
+   end type slice_t
 
 contains
 
@@ -45,6 +54,19 @@ contains
       if (group%given("weibull_volume")) call group%get("weibull_volume", weibull%volume)
    end subroutine read_weibull
 
+   !> Reference volume that a particle represents, on which its strength depends: its own volume; in
+   !! one dimension the cube of its length and in plane strain that of the square root of its area,
+   !! so that the extent of the grid in other directions does not matter. In axisymmetry it is the
+   !! volume of the ring. Equation (F.6) of doc/theory/failure.md.
+   elemental real(wp) function slice_volume(self, mass, density) result(volume)
+      class(slice_t), intent(in) :: self
+      real(wp), intent(in) :: mass                   !! [kg]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
+
+      volume = mass/density
+      if (self%exponent > 1.0_wp) volume = power(volume/self%depth, self%exponent)
+   end function slice_volume
+
    !> Exponentially distributed random number of mean 1.
    elemental real(wp) function random_exponential(seed, identity) result(number)
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
@@ -56,9 +78,11 @@ contains
    end function random_exponential
 
    !> Strength of particles divided by the characteristic strength, (-ln U V0/V)**(1/m). Equation
-   !! (F.5) of doc/theory/failure.md.
-   pure subroutine draw_weibull(weibull, density, seed, identity, first, last, mass, scatter)
+   !! (F.5).
+   pure subroutine draw_weibull(weibull, slice, density, seed, identity, first, last, mass, &
+      scatter)
       type(weibull_t), intent(in) :: weibull         !! Modulus and volume
+      type(slice_t), intent(in) :: slice             !! Extent in the other directions
       real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
@@ -71,7 +95,8 @@ contains
 
       do k = first, last
          number = random_exponential(seed, identity(k))
-         if (weibull%volume > 0.0_wp) number = number*weibull%volume*density/mass(k)
+         if (weibull%volume > 0.0_wp) number = number*weibull%volume &
+            /slice%volume(mass(k), density)
          scatter(k) = power(number, 1.0_wp/weibull%modulus)
       end do
    end subroutine draw_weibull

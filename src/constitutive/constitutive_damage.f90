@@ -4,6 +4,7 @@ module constitutive_damage
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
+   use constitutive_brittle, only: slice_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_law, only: law_t
@@ -18,6 +19,7 @@ module constitutive_damage
       real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
+      type(slice_t) :: slice                         !! Extent in directions that are not computed
    contains
       procedure(declare_i), deferred :: declare      !! Declares its keys
       procedure :: fault => damage_fault             !! Error in the combination of its keys

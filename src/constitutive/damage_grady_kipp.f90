@@ -7,7 +7,8 @@
 !!
 !! The weakest flaw of each particle is random: for randomly distributed flaws its k V e**m has the
 !! distribution exp(-x). Further flaws are counted by their mean number. Damage does not weaken a
-!! particle before it is complete. Equations (F.6) and (F.7) of doc/theory/failure.md.
+!! particle before it is complete. V does not depend on the thickness of a plane grid. Equations
+!! (F.6) and (F.7) of doc/theory/failure.md.
 module damage_grady_kipp
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -162,7 +163,7 @@ contains
          k = first - 1 + i
          strain = 0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk)
          if (strain <= 0.0_wp .or. damage(k) >= 1.0_wp) cycle
-         volume = mass(k)/model%density
+         volume = model%slice%volume(mass(k), model%density)
          if (model%flaws*volume*power(strain, model%exponent) < weakest(i)) cycle
          call find_extremes(stress, k, greatest, least)
          strain = 0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk)

@@ -106,8 +106,8 @@ contains
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
       real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
 
-      if (allocated(self%weibull)) call draw_weibull(self%weibull, self%density, seed, identity, &
-         first, last, mass, scatter)
+      if (allocated(self%weibull)) call draw_weibull(self%weibull, self%slice, self%density, seed, &
+         identity, first, last, mass, scatter)
    end subroutine principal_draw_strength
 
    !> Mark overloaded particles as failed. Few particles are near their strength, and only these are

@@ -121,6 +121,7 @@ contains
          deformation%pressure, deformation%strength%tangent)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
+      deformation%strength%dilation(:last - first + 1) = deformation%dilatation(:last - first + 1)
       if (allocated(state%plastic_dilation)) then
          call return_to_cone(first, last, self, state%mass, state%volume, &
             deformation%strength%tangent, state%stress, deformation%pressure, &
@@ -136,7 +137,8 @@ contains
 
    !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
    !! plasticity", 2008, section 8.3). Flow dilates only on the cone, because separated grains do
-   !! not climb over each other. Equation (Y.22).
+   !! not climb over each other. The work uses the mean pressure (p + p')/2 of the step, where the
+   !! pressure before it is that of the trial less the change by the strain. Equation (Y.22).
    ! gate: long kernel because flow changes stress, pressure and volume
    pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
       plastic_increment, plastic_work, dilation)
@@ -152,8 +154,9 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_increment(:)
       !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
       real(wp), contiguous, intent(inout) :: plastic_work(:)
-      real(wp), contiguous, intent(inout) :: dilation(:)    !! (range) [1]
-      real(wp) :: bulk, trial, flow, equivalent, scaling, least, softness, apex
+      !> Trace of the strain [1] in, fraction of the volume gained by flow [1] out (range).
+      real(wp), contiguous, intent(inout) :: dilation(:)
+      real(wp) :: bulk, trial, flow, equivalent, scaling, least, softness, apex, before
       logical :: apart
       integer :: i, k
 
@@ -163,6 +166,7 @@ contains
          k = first - 1 + i
          trial = plastic_increment(i)
          bulk = tangent(i)*mass(k)/volume(k)
+         before = max(apex, pressure(i) + bulk*dilation(i))
          flow = max(0.0_wp, trial - law%slope*pressure(i) - law%strength) &
             /(3.0_wp*law%shear + law%slope*bulk*law%dilation_slope)
          equivalent = trial - 3.0_wp*law%shear*flow
@@ -175,7 +179,8 @@ contains
          scaling = equivalent/max(trial, tiny(1.0_wp))
          scaling = merge(scaling, 1.0_wp, flow > 0.0_wp)
          plastic_work(i) = volume(k)*max(0.0_wp, (1.0_wp - scaling)*((1.0_wp + scaling)*trial**2 &
-            *(0.5_wp*softness) - 0.5_wp*plastic_work(i)) - pressure(i)*dilation(i))
+            *(0.5_wp*softness) - 0.5_wp*plastic_work(i)) - 0.5_wp*(before + pressure(i)) &
+            *dilation(i))
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)
          stress(k, 3) = scaling*stress(k, 3)

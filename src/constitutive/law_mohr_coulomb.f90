@@ -117,7 +117,8 @@ contains
    !> One particle: deviator and pressure after the flow, and the plastic work.
    !!
    !! The work is that of the mean of the stresses before and after the step on the plastic strain,
-   !! (s + s') : (s* - s')/(4 G), with s = s* - 2 G e but for the rotation.
+   !! (s + s') : (s* - s')/(4 G) - x (p + p')/2, with s = s* - 2 G e but for the rotation, and with
+   !! p = p* + K tr(e).
    pure subroutine flow(law, bulk, strain, s, pressure, increment, work, dilation)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: bulk                   !! Tangent bulk modulus [Pa]
@@ -127,10 +128,11 @@ contains
       real(wp), intent(inout) :: increment           !! Equivalent plastic strain, 0 on entry [1]
       real(wp), intent(inout) :: work                !! Plastic work, 0 on entry [J/m3]
       real(wp), intent(inout) :: dilation            !! Volume gained, 0 on entry [1]
-      real(wp) :: trial(3), values(3), axes(3, 3), both(6), change(6), multipliers
+      real(wp) :: trial(3), values(3), axes(3, 3), both(6), change(6), multipliers, before
 
       call principal(s, trial, axes)
       if (excess(law, trial(1), trial(3), pressure) <= 0.0_wp) return
+      before = max(law%apex, pressure + bulk*(strain(1) + strain(2) + strain(3)))
       call return_principal(law, bulk, pressure, trial, values, multipliers)
       dilation = 2.0_wp*law%dilation*multipliers
       pressure = pressure + bulk*dilation
@@ -147,7 +149,7 @@ contains
       both = both + s
       change = compose(trial - values, axes)
       work = max(0.0_wp, (sum(both(1:3)*change(1:3)) + 2.0_wp*sum(both(4:6)*change(4:6))) &
-         /(4.0_wp*law%shear) - pressure*dilation)
+         /(4.0_wp*law%shear) - 0.5_wp*(before + pressure)*dilation)
    end subroutine flow
 
    !> Excess of two principal values of a deviator over the yield surface [Pa].

@@ -213,8 +213,9 @@ contains
       end do
    end subroutine find_moduli
 
-   !> Elastic trial with the modulus of the state before the step. The trial is linear in stress and
-   !! modulus, so that with r = G/G0 it is r times that of the stress over r with G0.
+   !> Elastic trial with the modulus of the state before the step, at its pressure without
+   !! artificial viscosity. The trial is linear in stress and modulus, so that with r = G/G0 it is r
+   !! times that of the stress over r with G0.
    pure subroutine steinberg_guinan_predict_trial(self, state, deformation, first, last)
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -229,6 +230,8 @@ contains
             k = first - 1 + i
             pressure(i) = -(stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
          end do
+         if (allocated(state%viscous_pressure)) pressure(:last - first + 1) = &
+            pressure(:last - first + 1) - state%viscous_pressure(first:last)
          call find_moduli(self, state, first, last, pressure, ratio)
          do concurrent (i=1:last - first + 1)
             ratio(i) = max(ratio(i), least_modulus)
@@ -375,7 +378,8 @@ contains
       end do
    end subroutine steinberg_guinan_add_wave_speed
 
-   !> Energy in the deviator with the modulus of the state.
+   !> Energy in the deviator with the modulus of the state, at its pressure without artificial
+   !! viscosity.
    pure real(wp) function steinberg_guinan_stored_energy(self, state, particle) result(energy)
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
@@ -383,6 +387,8 @@ contains
       real(wp) :: pressure
 
       pressure = -sum(state%stress(particle, 1:3))/3.0_wp
+      if (allocated(state%viscous_pressure)) &
+         pressure = pressure - state%viscous_pressure(particle)
       energy = law_stored_energy(self, state, particle) &
          /max(self%modulus(state, particle, pressure), least_modulus)
    end function steinberg_guinan_stored_energy

@@ -88,6 +88,10 @@ contains
       else if (self%bulk_in_rate_form()) then
          deformation%wave_speed(:count) = self%bulk*state%volume(first:last) &
             /state%mass(first:last)
+         deformation%pressure(:count) = -(state%stress(first:last, 1) &
+            + state%stress(first:last, 2) + state%stress(first:last, 3))/3.0_wp
+         if (allocated(state%viscous_pressure)) deformation%pressure(:count) = &
+            deformation%pressure(:count) - state%viscous_pressure(first:last)
       end if
       if (allocated(self%law)) call self%law%add_wave_speed(state, deformation, first, last)
       speed = sqrt(maxval(deformation%wave_speed(:count)))

@@ -350,8 +350,8 @@ contains
       if (.not. allocated(material%viscosity)) return
       associate (q1 => material%viscosity%linear, q2 => material%viscosity%quadratic)
          if (.not. q1 + q2 > 0.0_wp) return
-         ! 2 q2 h D of the steady profile, whose q has its maximum slope jump^2/4 in the middle
-         damping = sqrt((q1*sound)**2 + q2*slope*jump**2)
+         ! 2 q2 h D of the steady profile, whose q has its maximum rho slope jump^2/2 in the middle
+         damping = sqrt((q1*sound)**2 + 2.0_wp*q2*slope*jump**2)
       end associate
       speed = damping + sqrt(damping**2 + sound**2)
    end function shock_signal

@@ -63,6 +63,7 @@ contains
       simulation%space%grid%margin = simulation%scheme%method%margin()
       simulation%space%grid%reaches = merge(2, 1, simulation%scheme%method%dual)
       call simulation%space%grid%start(tile_edge(deck))
+      call set_slices(simulation)
       call check_periodic(deck, simulation%space%grid)
       call read_effects(deck, simulation)
       call read_cell(deck, simulation)
@@ -160,6 +161,21 @@ contains
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
+
+   !> Tell the damage models how far particles extend in the directions that are not computed.
+   subroutine set_slices(simulation)
+      type(simulation_t), intent(inout) :: simulation
+      integer :: index
+
+      associate (grid => simulation%space%grid)
+         if (grid%axisymmetric) return
+         do index = 1, size(simulation%materials)
+            if (.not. allocated(simulation%materials(index)%damage)) cycle
+            simulation%materials(index)%damage%slice%depth = grid%depth
+            simulation%materials(index)%damage%slice%exponent = 3.0_wp/real(grid%dimensions, wp)
+         end do
+      end associate
+   end subroutine set_slices
 
    !> Set the width of crack bands, and check that cells are small enough for them.
    subroutine set_crack_bands(deck, simulation)
