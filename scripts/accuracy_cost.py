@@ -10,7 +10,7 @@
 The list of runs is in accuracy_problems.py. Runs are made one after the other, each twice. A row is written to
 doc/accuracy/accuracy.csv (--csv) when its run has ended, and existing rows are not computed again, so an interrupted
 study can be continued. Cost is the processor time of the steps [core-seconds], without outputs, ledger and start.
-costs.csv and the pictures are written beside the CSV file, and the numbers of README.md there are written anew from
+costs.csv and the pictures are written beside the CSV file, and the numbers of the pages there are written anew from
 the rows (accuracy_page.py).
 """
 import argparse
@@ -187,7 +187,7 @@ def whole_plan(only):
 
 
 def present(options):
-    """Draw the pictures; write the page if it exists, and costs.csv."""
+    """Draw the pictures; write costs.csv, and the numbers of the pages that exist."""
     rows = read(options.csv)
     if not rows:
         raise scree_post.ScreeError(f"{options.csv} holds no rows")
@@ -197,11 +197,8 @@ def present(options):
         if accuracy_evaluation.good(chosen):
             accuracy_evaluation.draw(chosen, problem, folder / f"{name}.png")
     (folder / "costs.csv").write_text(accuracy_page.costs_text(rows), encoding="utf-8")
-    page = folder / "README.md"
-    if page.exists():
+    for page in folder.glob("*.md"):
         page.write_text(accuracy_page.fill(page.read_text(encoding="utf-8"), rows), encoding="utf-8")
-    else:
-        print(accuracy_page.costs_text(rows), flush=True)
     return rows
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sentences and tables with numbers of doc/accuracy/README.md, made from the rows of accuracy.csv.
+"""Sentences and tables with numbers of the pages in doc/accuracy, made from the rows of accuracy.csv.
 
-    text = accuracy_page.fill(text, rows)          # the page with new blocks
+    text = accuracy_page.fill(text, rows)          # a page with new blocks
     words = accuracy_page.costs_text(rows)         # the content of costs.csv
 
 A block is between `<!-- made NAME -->` and `<!-- end -->`; the text between blocks has no number of a run.

@@ -62,11 +62,6 @@ def rms(values):
     return float(np.sqrt((np.asarray(values) ** 2).mean()))
 
 
-def rates(errors, factor=2.0):
-    """Orders of convergence between runs; cells become `factor` times smaller from one run to the next."""
-    return [float(np.log(coarse / fine) / np.log(factor)) for coarse, fine in zip(errors, errors[1:])]
-
-
 def crossings(time, values):
     """Times at which values rise through zero, by linear interpolation."""
     before = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))

@@ -128,13 +128,13 @@ def test_stored(sheet, stored):
 
 
 def test_page(sheet, stored):
-    """Page and table of costs are what the script makes of the rows, and text outside of its blocks has no costs."""
-    page = (FOLDER / "README.md").read_text(encoding="utf-8")
-    sheet.require(accuracy_page.fill(page, stored) == page, "run scripts/accuracy_cost.py --work FOLDER --draw")
+    """Pages and table of costs are what the script makes of the rows, and text outside of its blocks has no costs."""
     sheet.require(accuracy_page.costs_text(stored) == (FOLDER / "costs.csv").read_text(encoding="utf-8"), "costs.csv")
-    blocks = accuracy_page.BLOCK.findall(page)
-    sheet.require(len(blocks) > 6, "the page has its blocks")
     changed = [dict(entry, error=2.0 * entry["error"]) for entry in stored]
-    sheet.require(accuracy_page.fill(page, changed) != page, "the page depends on the rows")
-    words = accuracy_page.BLOCK.sub("", page)
-    sheet.require(not re.search(r"\d core-second|half as much|times as much", words), "costs are only in the blocks")
+    for name, least in (("README.md", 5), ("problems.md", len(accuracy_problems.PROBLEMS))):
+        page = (FOLDER / name).read_text(encoding="utf-8")
+        sheet.require(accuracy_page.fill(page, stored) == page, f"{name}: run scripts/accuracy_cost.py --draw")
+        sheet.require(len(accuracy_page.BLOCK.findall(page)) >= least, f"{name} has its blocks")
+        sheet.require(accuracy_page.fill(page, changed) != page, f"{name} depends on the rows")
+        words = accuracy_page.BLOCK.sub("", page)
+        sheet.require(not re.search(r"\d core-second|as much as", words), f"{name}: costs are only in the blocks")
