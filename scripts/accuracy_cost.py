@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Measure error and cost of all methods on problems with known solutions.
 
-    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy          # all runs and pictures
+    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy          # all runs, pictures and page
     build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --only waves
-    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --draw   # pictures only
+    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --draw   # pictures and page only
     build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --quick  # small study with checks
 
-The list of runs is in accuracy_problems.py. Runs are made one after the other. A row is written to
-doc/accuracy/accuracy.csv (--csv) when its run has ended, and existing rows are not computed again, so
-an interrupted study can be continued. Cost is the smallest processor time of the steps of several runs
-[core-seconds], without outputs, ledger and start. Pictures and tables are written beside the CSV file.
+The list of runs is in accuracy_problems.py. Runs are made one after the other, each twice. A row is written to
+doc/accuracy/accuracy.csv (--csv) when its run has ended, and existing rows are not computed again, so an interrupted
+study can be continued. Cost is the processor time of the steps [core-seconds], without outputs, ledger and start.
+costs.csv and the pictures are written beside the CSV file, and the numbers of the pages there are written anew from
+the rows (accuracy_page.py).
 """
 import argparse
 import csv
@@ -27,20 +28,17 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python/src"))
 
-import accuracy_front                                    # noqa: E402
-import accuracy_problems                                 # noqa: E402
-import scree_post                                        # noqa: E402
-from accuracy_problems import PROBLEMS, ROOT, Setting    # noqa: E402
-
-import case                                              # noqa: E402
+import accuracy_evaluation  # noqa: E402
+import accuracy_page  # noqa: E402
+import accuracy_problems  # noqa: E402
+import case  # noqa: E402
+import scree_post  # noqa: E402
+from accuracy_problems import PROBLEMS, ROOT, Setting  # noqa: E402
 
 NUMBERS = {"cells": int, "ppc": int, "cfl": float, "error": float, "core_seconds": float,
-           "wall_seconds": float, "updates": int, "steps": int, "particles": int, "repeats": int}
+           "core_seconds_again": float, "updates": int, "steps": int, "particles": int, "memory_mb": float}
 COLUMNS = ("problem", "way", *NUMBERS, "cause", "commit", "machine")
-ASIDE = ("output", "checkpoint", "ledger, history")      # timers that are no part of the steps
-MOST = 2                                 # a run is repeated so often, or until all of them took
-SHORT = 0.08                             # a run is repeated until its runs have taken this together [core-seconds]
-TIMEOUT = 900                            # time limit of a run [s]
+TIMEOUT = 240                            # time limit of a run [s]
 
 
 def machine():
@@ -74,38 +72,30 @@ def cause_of(run):
 
 
 def once(options, problem, way, setting, name):
-    """One run: its case, the cause if it failed, processor time and wall time of the steps [s]."""
+    """One run: its case, the cause if it failed, and the processor time of the steps [s]."""
     run = case.Case(options, name, problem.deck(way, setting))
     before = processor()
     try:
         run.run("-q", expect=None, timeout=TIMEOUT)
     except subprocess.TimeoutExpired:
-        return run, f"longer than {TIMEOUT} s", processor() - before, math.nan
+        return run, f"longer than {TIMEOUT} s", processor() - before
     if not run.path(".summary.json").exists():
         raise scree_post.ScreeError(f"{run.deck} does not run:\n{run.output[-2000:]}")
-    timers = run.summary["timers"]
-    wall = sum(entry["avg"] for name, entry in timers.items() if name not in ASIDE)
-    return run, cause_of(run) if run.code else "", run.summary["processor_s"], wall
+    return run, cause_of(run) if run.code else "", run.summary["processor_s"]
 
 
 def measure(options, name, way, setting):
-    """The row of a combination of problem, method and setting. It is run up to MOST times, and the least processor time
-    counts, because other processes on the machine can only increase it."""
-    problem, spents, walls = PROBLEMS[name], [], []
-    while True:
-        run, cause, spent, wall = once(options, problem, way, setting, f"accuracy_{name}")
-        spents.append(spent)
-        walls.append(wall)
-        if cause or len(spents) >= MOST or sum(spents) > SHORT:
-            break
+    """The row of a combination of problem, method and setting, without the second time."""
+    problem = PROBLEMS[name]
+    run, cause, spent = once(options, problem, way, setting, f"accuracy_{name}")
     row = dict(problem=name, way=way, cells=setting.cells, ppc=setting.ppc, cfl=setting.cfl,
-               error=math.nan, core_seconds=min(spents), wall_seconds=min(walls), updates=0,
-               steps=0, particles=0, repeats=len(spents), cause=cause, commit=options.commit,
+               error=math.nan, core_seconds=spent, core_seconds_again=math.nan, updates=0,
+               steps=0, particles=0, memory_mb=math.nan, cause=cause, commit=options.commit,
                machine=options.machine)
     if run.path(".summary.json").exists():
         seen = run.summary
-        row.update(steps=seen["steps"], particles=seen["particles"],
-                   updates=seen["particle_updates"])
+        row.update(steps=seen["steps"], particles=seen["particles"], updates=seen["particle_updates"],
+                   memory_mb=seen["rank_counts"]["memory_peak_bytes"]["max"] / 1.0e6)
     if not cause:
         try:
             row["error"] = problem.error(run, setting)
@@ -114,6 +104,15 @@ def measure(options, name, way, setting):
         if not row["cause"] and not math.isfinite(row["error"]):
             row["cause"] = "not a number"
     return row
+
+
+def repeat(options, row):
+    """The row with the time of a second run, which must make the same steps."""
+    setting = Setting(row["cells"], row["ppc"], row["cfl"])
+    run, _, spent = once(options, PROBLEMS[row["problem"]], row["way"], setting, "accuracy_again")
+    if run.summary["steps"] != row["steps"]:
+        raise scree_post.ScreeError(f"{key_of(row)}: {run.summary['steps']} steps, not {row['steps']} as before")
+    row["core_seconds_again"] = spent
 
 
 def read(path):
@@ -127,15 +126,20 @@ def read(path):
     return rows
 
 
-def append(path, row):
-    """Append one row to the file; a new file begins with a heading."""
-    fresh = not path.exists()
-    with open(path, "a", newline="", encoding="utf-8") as file:
+def write(path, rows):
+    """Write all rows; the old file is replaced at the end."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    order = {way: number for number, way in enumerate(accuracy_problems.WAYS)}
+    rows = sorted(rows, key=lambda row: (list(PROBLEMS).index(row["problem"]), order[row["way"]], row["ppc"],
+                                         row["cfl"], row["cells"]))
+    fresh = path.with_suffix(".new")
+    with open(fresh, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if fresh:
-            writer.writeheader()
-        short = {key: f"{value:.5g}" for key, value in row.items() if isinstance(value, float)}
-        writer.writerow({**row, **short})
+        writer.writeheader()
+        for row in rows:
+            short = {key: f"{value:.5g}" for key, value in row.items() if isinstance(value, float)}
+            writer.writerow({**row, **short})
+    fresh.replace(path)
 
 
 def key_of(row):
@@ -144,39 +148,36 @@ def key_of(row):
 
 
 def study(options, plan):
-    """Make the runs of a plan that are not in the file."""
-    done = {key_of(row) for row in read(options.csv)}
-    wanted = [(name, way, setting) for name, way, setting in plan
-              if (name, way, setting.cells, setting.ppc, setting.cfl) not in done]
-    options.csv.parent.mkdir(parents=True, exist_ok=True)
-    weight = {entry: entry[2].cells ** (PROBLEMS[entry[0]].dimensions + 1)
-              * entry[2].ppc ** PROBLEMS[entry[0]].dimensions / entry[2].cfl for entry in wanted}
-    seen = []
-    for count, entry in enumerate(wanted, 1):
-        name, way, setting = entry
-        before = time.time()
-        row = measure(options, *entry)
-        append(options.csv, row)
-        seen.append((name, weight[entry], time.time() - before))
-        left = time_left(wanted[count:], weight, seen)
-        print(f"{count:4d} of {len(wanted)}  left {left / 60.0:5.1f} min  {name:<11} {way:<19}"
-              f"{setting.cells:4d} cells {setting.ppc} ppc cfl {setting.cfl:g}  "
-              + (row["cause"] or f"error {row['error']:.2e}")
-              + f"  {row['core_seconds']:.3g} s", flush=True)
+    """Make the runs of a plan that are not in the file, problem by problem: first the runs that are new, then each a
+    second time for its processor time, so that a disturbance of the machine seldom affects both. Stops when the time
+    is over."""
+    end = time.time() + 60.0 * options.minutes
+    rows = read(options.csv)
+    for name in dict.fromkeys(entry[0] for entry in plan):
+        entries = [entry for entry in plan if entry[0] == name]
+        done = {key_of(row) for row in rows}
+        for entry in entries:
+            key = (name, entry[1], entry[2].cells, entry[2].ppc, entry[2].cfl)
+            if key not in done and time.time() < end:
+                rows.append(measure(options, *entry))
+                write(options.csv, rows)
+                report("new", rows[-1])
+        for row in rows:
+            if row["problem"] == name and not row["cause"] and math.isnan(row["core_seconds_again"]) \
+                    and row["commit"] == options.commit and time.time() < end and not options.once:
+                repeat(options, row)
+                write(options.csv, rows)
+                report("again", row)
+    missing = len(plan) - len({key_of(row) for row in rows})
+    print(f"{missing} runs are missing", flush=True)
 
 
-def time_left(rest, weight, seen):
-    """Estimated duration of the remaining runs [s]. In a problem of which a run has ended: the time of the fastest run,
-    plus a part in proportion to the work with the rate observed in this problem. In other problems: the mean time of
-    all runs so far."""
-    base = min(took for _, _, took in seen)
-    mean = sum(took for _, _, took in seen) / len(seen)
-    rate = {}
-    for name in {name for name, _, _ in seen}:
-        more = sum(took - base for other, _, took in seen if other == name)
-        rate[name] = more / sum(work for other, work, _ in seen if other == name)
-    return sum(base + rate[entry[0]] * weight[entry] if entry[0] in rate else mean
-               for entry in rest)
+def report(kind, row):
+    """Print one run."""
+    print(f"{kind:<5} {row['problem']:<11} {row['way']:<19}{row['cells']:4d} cells {row['ppc']} ppc "
+          f"cfl {row['cfl']:g}  "
+          + (row["cause"] or f"error {row['error']:.2e}")
+          + f"  {row['core_seconds']:.3g} s  {row['core_seconds_again']:.3g} s", flush=True)
 
 
 def whole_plan(only):
@@ -186,62 +187,52 @@ def whole_plan(only):
 
 
 def present(options):
-    """Draw the pictures, and write the tables into the page if it exists."""
+    """Draw the pictures; write costs.csv, and the numbers of the pages that exist."""
     rows = read(options.csv)
     if not rows:
         raise scree_post.ScreeError(f"{options.csv} holds no rows")
-    accuracy_front.add_model(rows)
-    page = options.csv.parent / "README.md"
-    text = page.read_text(encoding="utf-8") if page.exists() else ""
+    folder = options.csv.parent
     for name, problem in PROBLEMS.items():
         chosen = [row for row in rows if row["problem"] == name]
-        if accuracy_front.good(chosen):
-            accuracy_front.draw(chosen, problem, options.csv.parent / f"{name}.png")
-            table = accuracy_front.tables(chosen)
-            text = re.sub(rf"(<!-- table {name} -->\n).*?(<!-- end -->)",
-                          lambda found, table=table: found[1] + table + found[2], text, flags=re.S)
-            print(f"\n{problem.title}\n\n{table}", flush=True)
-    if page.exists():
-        page.write_text(text, encoding="utf-8")
+        if accuracy_evaluation.good(chosen):
+            accuracy_evaluation.draw(chosen, problem, folder / f"{name}.png")
+    (folder / "costs.csv").write_text(accuracy_page.costs_text(rows), encoding="utf-8")
+    for page in folder.glob("*.md"):
+        page.write_text(accuracy_page.fill(page.read_text(encoding="utf-8"), rows), encoding="utf-8")
     return rows
 
 
 def reference(options):
     """Run the finest Taylor bars, whose sizes are the constant in accuracy_problems.py."""
     problem = PROBLEMS["taylor"]
-    for way in ("ddmp", "quadratic usl"):
-        run, cause, wall, _ = once(options, problem, way, Setting(24, 2, 0.4), "reference")
+    for way in ("ddmp usl", "quadratic usl"):
+        run, cause, wall = once(options, problem, way, Setting(48, 2, 0.4), "reference")
         print(way, cause or accuracy_problems.bar_sizes(run), f"{wall:.1f} s", flush=True)
 
 
 def quick(options):
-    """A study of 20 s in the work folder, made twice, with checks of rows, Pareto front and orders. Returns the number
+    """A study of 20 s in the work folder, interrupted once, with checks of rows, repeats and orders. Returns the number
     of faults."""
     options.csv = options.work / "quick.csv"
     options.csv.unlink(missing_ok=True)
-    plan = [("waves", way, Setting(cells, 2, 0.4)) for way in ("ddmp", "ddmp control", "mpm")
-            for cells in (8, 16)]
+    plan = [("waves", way, Setting(cells, 2, 0.4)) for way in ("ddmp usl", "ddmp control usl", "mpm musl")
+            for cells in (8, 12, 18)]
     study(options, plan[:4])
     study(options, plan)
     rows = present(options)
     faults = []
     if sorted(map(key_of, rows)) != sorted((n, w, s.cells, s.ppc, s.cfl) for n, w, s in plan):
         faults.append("each run of the plan has one row")
-    best = accuracy_front.front(rows)
-    for row in accuracy_front.good(rows):
-        beaten = any(other["error"] < row["error"] and other["core_seconds"] < row["core_seconds"]
-                     for other in rows if not other["cause"])
-        if beaten == (row in best):
-            faults.append(f"{key_of(row)} is on the front or beaten")
-    for way, low, high in (("ddmp", 1.8, 2.2), ("ddmp control", 1.8, 2.2), ("mpm", -2.0, 1.0)):
-        seen = accuracy_front.order([row for row in rows if row["way"] == way])
+    for way, low, high in (("ddmp usl", 1.8, 2.2), ("ddmp control usl", 1.8, 2.2), ("mpm musl", -2.0, 1.0)):
+        seen = accuracy_evaluation.order([row for row in rows if row["way"] == way])
         if not low <= seen <= high:
             faults.append(f"order of {way} is {seen:.2f}, not from {low} to {high}")
     if not (options.work / "waves.png").exists():
         faults.append("the picture is drawn")
     for row in rows:
-        if not 0.0 < row["core_seconds"] <= 2.0 * row["wall_seconds"] or not row["updates"]:
-            faults.append(f"{key_of(row)} has times and updates")
+        if not (row["core_seconds"] > 0.0 and row["core_seconds_again"] > 0.0 and row["updates"]
+                and 5.0 < row["memory_mb"] < 1000.0):
+            faults.append(f"{key_of(row)} has two times, updates and memory")
     print("\n".join(f"FAILED   {text}" for text in faults) or "all checks met")
     return len(faults)
 
@@ -261,7 +252,10 @@ def main():
     parser.add_argument("--work", type=Path, required=True, help="folder for the runs")
     parser.add_argument("--csv", type=Path, default=ROOT / "doc/accuracy/accuracy.csv")
     parser.add_argument("--only", nargs="+", choices=list(PROBLEMS), help="problems")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="start no run after this time")
+    parser.add_argument("--once", action="store_true", help="do not repeat runs for their time")
     parser.add_argument("--draw", action="store_true", help="draw existing results without runs")
+    parser.add_argument("--study-only", action="store_true", help="make runs without drawing")
     parser.add_argument("--quick", action="store_true", help="run a small study with checks")
     parser.add_argument("--reference", action="store_true", help="run the finest Taylor bars")
     options = parser.parse_args()
@@ -278,7 +272,8 @@ def main():
     else:
         if not options.draw:
             study(options, whole_plan(options.only))
-        present(options)
+        if not options.study_only:
+            present(options)
     return 0
 
 

@@ -62,11 +62,6 @@ def rms(values):
     return float(np.sqrt((np.asarray(values) ** 2).mean()))
 
 
-def rates(errors, factor=2.0):
-    """Orders of convergence between runs; cells become `factor` times smaller from one run to the next."""
-    return [float(np.log(coarse / fine) / np.log(factor)) for coarse, fine in zip(errors, errors[1:])]
-
-
 def crossings(time, values):
     """Times at which values rise through zero, by linear interpolation."""
     before = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
@@ -276,7 +271,7 @@ def two_discs(options, name, method="ddmp", words="", spacing=0.025, ppc=2, cfl=
 
 COLUMN = """
 &run  dimension='1d'  method='{method}' /
-&grid  lo=0,0,0  hi=11,1,1  dx={spacing!r} /
+&grid  lo=0,0,0  hi={top!r},1,1  dx={spacing!r} /
 &time  t_end={end!r} /
 &method  {words} /
 &effects  gravity=.true.  gravity_vector=-10,0,0  artificial_viscosity=.false. /
@@ -291,7 +286,9 @@ COLUMN_END = 1.8                       # [s], one and a half periods: compressed
 @measured.recorded
 def column(options, name, method="ddmp", words="", cells=40, ppc=4, may_fail=False):
     """An elastic column under suddenly applied gravity; its foot is strained by a fifth."""
-    deck = COLUMN.format(method=method, words=words, spacing=10.0 / cells, ppc=ppc, end=COLUMN_END)
+    spacing = 10.0 / cells
+    top = 10.0 + float(np.ceil(1.0 / spacing - 1.0e-9)) * spacing      # at least 1 m more than the column
+    deck = COLUMN.format(method=method, words=words, spacing=spacing, top=top, ppc=ppc, end=COLUMN_END)
     run, result = launch(options, name, deck, count=1, may_fail=may_fail)
     if result["code"]:
         return result

@@ -26,6 +26,7 @@ import numpy as np
 import pytest
 
 import bodies
+import convergence
 import measured
 import tier
 
@@ -73,16 +74,19 @@ def test_viscous(options, sheet):
 
 
 def test_usual(options, sheet):
-    """The default, with two cell sizes."""
+    """The default, with four cell sizes."""
     usual = fly(options, sheet, "usual")
     sheet.require(usual["particles"] == 100, "the bar keeps its particles")
     judge(sheet, "usual", usual)
     if tier.NAME != "smoke":
-        coarse = fly(options, sheet, "coarse", spacing=1.0)
-        measured.record("rate", {key: bodies.rates([coarse[key], usual[key]])[0]
-                                 for key in ("velocity", "displacement", "stress")})
+        # parts of 2 m, the distance from the first cell, so that the bar begins at a face or in the middle of a cell
+        runs = {parts: usual if parts == 4 else fly(options, sheet, f"parts_{parts}", spacing=2.0 / parts)
+                for parts in (3, 4, 5, 7)}
+        orders = {key: convergence.order(runs, [result[key] for result in runs.values()])
+                  for key in ("velocity", "displacement", "stress")}
+        measured.record("order", orders)
         for key in ("velocity", "stress"):
-            sheet.above(f"rate of {key}", bodies.rates([coarse[key], usual[key]])[0], 1.3)
+            sheet.above(f"order of {key}", orders[key], 1.3)
 
 
 @FULL

@@ -16,6 +16,7 @@ f'' + 4 mu/(rho c a) f' + 4 mu/(rho a^2) f = -p a/rho, which is solved below.
 import numpy as np
 
 import case
+import convergence
 import measured
 import tier
 
@@ -92,13 +93,13 @@ def tube(options, sheet, cells):
 
 def test_tubes(options, sheet):
     """Orders of the errors of the tube."""
-    cells = tier.choose(full=(16, 32, 64), long=(16, 32, 64, 128))
+    cells = tier.choose(full=(20, 28, 36, 52), long=(20, 28, 36, 52, 92))
     errors = np.array([tube(options, sheet, n) for n in cells])
     for name, column in zip(("elastic energy", "mean radial stress", "mean hoop stress"), errors.T):
-        order = -np.polyfit(np.log(cells), np.log(column), 1)[0]
+        order = convergence.order(cells, column)
         sheet.above(f"tube: order of the error of the {name}", order, 1.0)
     for name, column in zip(("radial", "hoop"), errors.T[3:]):
-        order = -np.polyfit(np.log(cells), np.log(column), 1)[0]
+        order = convergence.order(cells, column)
         measured.record(f"tube: order of the scatter of the {name} stress", order)
         # the stress of particles at the curved surface keeps its error; their fraction decreases with their size
         sheet.known(f"tube: order 1 less that of the scatter of the {name} stress", 1 - order, limit=0.5, target=0.0)
@@ -138,11 +139,11 @@ def test_bar(options, sheet):
 
 
 def test_cavity(options, sheet):
-    cells = tier.choose(full=(10, 20, 40), long=(10, 20, 40, 80))
+    cells = tier.choose(full=(10, 14, 19, 27), long=(10, 14, 19, 27, 45))
     errors, behind = np.transpose([cavity(options, n) for n in cells])
     measured.show("cavity", dict(zip(cells, errors)))
     measured.show("cavity, behind", dict(zip(cells, behind)))
-    order = -np.polyfit(np.log(cells), np.log(errors), 1)[0]
+    order = convergence.order(cells, errors)
     # the front is a jump: a linear wave equation of order 2 spreads it over h^(2/3), of order 1 over h^(1/2)
     sheet.above("cavity: order of the mean error with the front", order, 0.5)
     sheet.below("cavity: velocity behind the front", behind[-1], 0.02)

@@ -18,6 +18,7 @@ import subprocess
 import numpy as np
 
 import case
+import convergence
 
 DENSITY, BULK, SHEAR = 1000.0, 1.0e9, 6.0e8
 # One cell between a wall and a moving boundary: the strain of a step is -1e-4 or 1e-4 for all particles.
@@ -192,16 +193,16 @@ def point(options, name, deck):
 
 def test_sheared(options, sheet):
     """Compressed grains dilate in shear: theta decreases with shear, the density of the material increases."""
-    factor, press, errors = 0.5, -0.05, []
-    for steps in (200, 400):
+    factor, press, errors, grids = 0.5, -0.05, [], (150, 220, 290, 400)
+    for steps in grids:
         table = point(options, f"shear_{steps}", SHEARED.format(factor=factor, press=press, steps=steps))
         errors.append(table["solid_fraction"][-1] / (0.7 * np.exp(-factor * 0.2)) - 1.0)
         volume = np.exp(3.0 * press * 0.2)
         matter = 1.0 / volume * 0.7 / table["solid_fraction"][-1]
         sheet.near(f"pressure with {steps} steps", table["pressure"][-1],
                    table["solid_fraction"][-1] * BULK / 1.0 * (matter - 1.0), 1.0e-9)
-    print(f"sheared: errors of the share {errors[0]:.2e}, {errors[1]:.2e}")
-    for steps, error in zip((200, 400), errors):
+    print("sheared: errors of the share", *[f"{error:.2e}" for error in errors])
+    for steps, error in zip(grids, errors):
         # grains have no pressure in the first step, so they do not dilate in it
         sheet.near(f"share of sheared grains, {steps} steps: its error", error, np.expm1(factor * 0.2 / steps), 1.0e-3)
-    sheet.above("order of the share", np.log2(errors[0] / errors[1]), 0.95)
+    sheet.above("order of the share", convergence.order(grids, errors), 0.95)
