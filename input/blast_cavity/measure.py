@@ -13,7 +13,7 @@ from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 RADIUS = 5.0                           # of the charge [mm]
-ENERGY = 6.993e9                       # of TNT in a volume [Pa]
+ENERGY = 7.0e9                       # of TNT in a volume [Pa]
 GAS = 1                                # number of the explosive in the field material
 TIMES = (6.0e-6, 15.0e-6, 30.0e-6, 60.0e-6)
 RINGS = np.arange(10.0, 160.0, 4.0)    # [mm]
@@ -21,7 +21,7 @@ RINGS = np.arange(10.0, 160.0, 4.0)    # [mm]
 
 def jwl(volume):
     """Pressure of the products of TNT with all of their energy at a volume over that of the charge [Pa]."""
-    a, b, r1, r2, omega = 371.2e9, 3.21e9, 4.15, 0.95, 0.3
+    a, b, r1, r2, omega = 371.2e9, 3.231e9, 4.15, 0.95, 0.3
     return (a * (1.0 - omega / (r1 * volume)) * np.exp(-r1 * volume)
             + b * (1.0 - omega / (r2 * volume)) * np.exp(-r2 * volume) + omega * ENERGY / volume)
 

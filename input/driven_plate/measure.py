@@ -13,7 +13,7 @@ from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 SPEED, GURNEY = 7980.0, 2700.0         # of the detonation and of Gurney, composition B [m/s]
-RATIO = 7830.0 * 5.0 / (1717.0 * 20.0)  # mass of plate over that of explosive
+RATIO = 7810.0 * 5.0 / (1717.0 * 20.0)  # mass of plate over that of explosive
 PLATE = 2                              # its number in the field material
 PLACES = (0.030, 0.050, 0.070)         # along the plate [m]
 NAMES = {"along": "along the plate", "across": "all of its face at once"}

@@ -71,7 +71,7 @@ NOISY = ("al_al_12", "al_al_5_oblique", "al_al_7_plane", "steel_lead_3", "lead_l
 # c0 in km/s and slope of the shock speed of the presets, for glass and sand the wave speed; the jet of the stiffer of
 # two materials begins first
 SHOCKS = {"al_2024_t351": (5.328, 1.338), "al_2017_t4": (5.328, 1.34), "al_6061_t6": (5.24, 1.40),
-          "cu_ofhc": (3.94, 1.489), "steel_4340": (3.574, 1.92), "lead": (2.092, 1.45), "glass_soda_lime": (5.828, 0.0),
+          "cu_ofhc": (3.94, 1.489), "steel_4340": (4.578, 1.33), "lead": (2.05, 1.46), "glass_soda_lime": (5.828, 0.0),
           "sand_dry": (0.264, 0.0)}
 
 

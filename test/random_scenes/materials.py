@@ -17,7 +17,7 @@ PRESETS = {
     # density, bulk sound speed, shear modulus, family
     "al_2024_t351": (2785.0, 5328.0, 28.6e9, "metal"), "al_2017_t4": (2790.0, 5328.0, 27.2e9, "metal"),
     "al_6061_t6": (2703.0, 5240.0, 27.6e9, "metal"), "cu_ofhc": (8930.0, 3940.0, 47.7e9, "metal"),
-    "steel_4340": (7830.0, 3574.0, 80.0e9, "metal"), "lead": (11350.0, 2092.0, 7.887e9, "metal"),
+    "steel_4340": (7810.0, 4578.0, 80.0e9, "metal"), "lead": (11350.0, 2050.0, 7.887e9, "metal"),
     "glass_soda_lime": (2530.0, 4236.0, 30.4e9, "brittle"),
     "glass_borosilicate": (2230.0, 3992.0, 26.7e9, "brittle"),
     "sand_dry": (1674.0, 264.4, 76.9e6, "grains"), "glass_beads": (1470.0, 75.3, 3.85e6, "grains"),

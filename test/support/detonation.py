@@ -65,5 +65,5 @@ class Products:
         return (np.append(place, 0.0)[::-1], np.append(along, along[-1])[::-1], np.append(velocity, 0.0)[::-1])
 
 
-TNT = Products(371.2e9, 3.21e9, 4.15, 0.95, 0.3, 6.993e9, 1630.0)
+TNT = Products(371.2e9, 3.231e9, 4.15, 0.95, 0.3, 7.0e9, 1630.0)
 COMPOSITION_B = Products(524.23e9, 7.678e9, 4.2, 1.1, 0.34, 8.5e9, 1717.0)

@@ -69,7 +69,7 @@ def burn(options, cells):
         "rest": last.fields["pressure"][rest].mean() / along[0],
         "peak": last.fields["pressure"].max() / pressure,
         "times": abs(first.fields["burn_time"] - first.points[:, 0] / SPEED).max() * SPEED,
-        "chemical": (first.fields["energy"] * first.fields["mass"]).sum() / (6.993e9 * 0.1),
+        "chemical": (first.fields["energy"] * first.fields["mass"]).sum() / (7.0e9 * 0.1),
         "still": abs(first.fields["pressure"]).max(), "energy": abs(run.summary["ledger"]["energy_error"]),
         "digest": run.summary["digest"]}
     measured.show(f"{cells} cells", {key: value for key, value in result.items() if key != "digest"})

@@ -22,6 +22,7 @@ import case
 import measured
 import shocks
 
+# "fe" is iron above 13 GPa and "pb" an older set of lead; the presets and published points: test/verify/materials.
 METALS = {metal.name: metal for metal in (
     shocks.Metal("al_2024", 2785.0, 5328.0, 1.338, 2.00), shocks.Metal("al_6061", 2703.0, 5350.0, 1.34, 1.97),
     shocks.Metal("cu", 8930.0, 3940.0, 1.489, 2.02), shocks.Metal("fe", 7830.0, 3574.0, 1.92, 1.69),
