@@ -60,19 +60,23 @@ if [[ ! -f "${cache}" ]]; then
    generator+=("-DCMAKE_Fortran_COMPILER=${compiler}")
 fi
 
-# Files of CMake that have changed are read again by the build itself; options and a new Python
-# environment are not.
-rules="${folder}/build.ninja"
-[[ -f "${rules}" ]] || rules="${folder}/Makefile"
-if [[ ! -f "${cache}" || ! -f "${rules}" || $# -gt 0 \
-   || "${root}/build/venv/requirements.stamp" -nt "${rules}" ]]; then
-   log="${folder}/configure.log"
-   mkdir -p "${folder}"
-   if ! cmake -S "${root}" -B "${folder}" "${generator[@]}" "-DCMAKE_BUILD_TYPE=${type}" "$@" \
-      > "${log}" 2>&1; then
-      cat "${log}" >&2
-      stop_with 3 "CMake could not configure; is something missing that scripts/setup.sh installs?"
+# Configures, or reads only the files of CMake again that have changed since. The latter misses new
+# options and a new Python environment.
+configure() {
+   local rules="${folder}/build.ninja"
+   if [[ -f "${cache}" && -f "${rules}" && $# -eq 0 \
+      && ! "${root}/build/venv/requirements.stamp" -nt "${rules}" ]]; then
+      cmake --build "${folder}" --target build.ninja
+   else
+      cmake -S "${root}" -B "${folder}" "${generator[@]}" "-DCMAKE_BUILD_TYPE=${type}" "$@"
    fi
+}
+
+log="${folder}/configure.log"
+mkdir -p "${folder}"
+if ! configure "$@" > "${log}" 2>&1; then
+   cat "${log}" >&2
+   stop_with 3 "CMake could not configure; is something missing that scripts/setup.sh installs?"
 fi
 # CMake 3.25 puts the name of the source where Ninja expects that of the result into the list of the
 # files that a scan for modules reads, and Ninja would repeat all scans in each build. The lists are
