@@ -77,7 +77,7 @@ contains
             if (.not. may_lock(material) .or. material%carries_energy()) cycle
             text = "locking    '"//material%name//"' keeps its volume while it deforms: few "// &
                "cells are too stiff and their pressure is noisy; antilock = 'bbar' in &method "// &
-               "prevents this (doc/theory/method.md)"//new_line("a")
+               "prevents this (doc/theory/verification_bodies.md)"//new_line("a")
             return
          end associate
       end do

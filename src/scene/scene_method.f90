@@ -165,8 +165,9 @@ contains
          call deck%warn(group, "linear functions with transfer = '"//transfer// &
             "' gain energy without bound; write basis = 'quadratic'", "transfer")
       else if (method%stress == stress_after .and. method%transfer%flip_fraction() > 0.0_wp) then
-         call deck%warn(group, "linear functions with stress_update = 'usl' gain energy without "// &
-            "bound where bodies cross cells; write stress_update = 'musl'", "stress_update")
+         call deck%warn(group, "linear functions with stress_update = 'usl' gain energy "// &
+            "without bound where bodies cross cells; write stress_update = 'musl'", &
+            "stress_update")
       end if
    end subroutine warn_of_linear
 

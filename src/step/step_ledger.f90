@@ -289,8 +289,8 @@ contains
          abs(now%entry(external_work))))
    end subroutine ledger_balance
 
-   !> Turning motion about the centre of mass [kg m2/s]: the angular momentum, or a tenth of its upper
-   !! bound, which a body that turns in a plane attains. Equation (L.14) of doc/theory/ledger.md.
+   !> Turning motion about the centre of mass [kg m2/s]: the angular momentum, or a tenth of its
+   !! upper bound, which a body that turns in a plane attains. Equation (L.14).
    real(wp) function turning_motion(scales, entry) result(motion)
       type(exact_sum_t), intent(in) :: scales(scale_count) !! As `sum_tile` adds them
       real(wp), intent(in) :: entry(:)               !! Entries at this time

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Material that keeps its volume locks with few cells: the remedy that messages name lowers loads and noise.
 
-Would catch: an advice that does not help, `--check` or warning R116 without `antilock = 'bbar'` where it applies or with
-it where it does not (elastic material of Poisson's ratio 0.3, material whose strength depends on the pressure, decks
-that have it), and a `bbar` that no longer lowers the noise.
+Would catch: an advice that does not help, `--check` or warning R116 without `antilock = 'bbar'` where it applies or
+with it where it does not (elastic material of Poisson's ratio 0.3, material whose strength depends on the pressure,
+decks that have it), and a `bbar` that no longer lowers the noise.
 
-A rough strip footing on clay without friction: the mean pressure is (2 + pi) c (L. Prandtl, Nachr. Ges. Wiss. Goettingen
-(1920) 74). The edge of the foot lies on nodes, so its half width is between 0.5 m and half a cell more, 12.5 %. Rubber
-and von Mises: a block of 20 x 10 cells under a stamp of 8 cells; the limits of the noise are those of trust.
+A rough strip footing on clay without friction: the mean pressure is (2 + pi) c (L. Prandtl, Nachr. Ges. Wiss.
+Goettingen (1920) 74). The edge of the foot lies on nodes, so its half width is between 0.5 m and half a cell more,
+12.5 %. Rubber and von Mises: a block of 20 x 10 cells under a stamp of 8 cells; the limits of the noise are those of
+trust.
 """
 # tiers: full, long
 # timeout: 300

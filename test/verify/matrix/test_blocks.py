@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every transfer and stress update with every kind of shape functions, on a block that turns, one that is pulled and two
-that collide: no combination that `--check` accepts gains energy or ends with an error.
+"""Every transfer and stress update with every kind of shape functions, on a block that turns, one that is pulled and
+two that collide: no combination that `--check` accepts gains energy or ends with an error.
 
 Would catch: a combination that becomes unstable, such as `usavg` with `aflip`, which ended after a hundred steps; a
 combination that is refused or warned of although it works, and one that gains energy without bound and is not; a
@@ -27,7 +27,8 @@ import pytest
 import case
 import tier
 
-KINDS = {"ddmp": ("ddmp", ""), "ddmp control": ("ddmp", "quadrature='control'"), "ddmp lsd": ("ddmp", "quadrature='lsd'"),
+KINDS = {"ddmp": ("ddmp", ""), "ddmp control": ("ddmp", "quadrature='control'"),
+         "ddmp lsd": ("ddmp", "quadrature='lsd'"),
          "ddmp sub_points": ("ddmp", "quadrature='sub_points'"), "linear": ("mpm", "basis='linear'"),
          "gimp": ("mpm", "basis='gimp'"), "cpgimp": ("mpm", "basis='cpgimp'"), "cpdi": ("mpm", "basis='cpdi'"),
          "quadratic": ("mpm", "basis='quadratic'"), "cubic": ("mpm", "basis='cubic'")}
