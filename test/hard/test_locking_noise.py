@@ -92,13 +92,10 @@ def test_blocks(options, sheet, material, speed):
     for n, words in enumerate(("", BBAR, *OTHERS)):
         run = case.Case(options, f"block_{n}", BLOCK.format(words=words, material=material, speed=speed)).run("-q")
         noise[words] = run.summary["trust"]["noise"]["value"]
-        if n == 1:
-            sheet.require(run.summary["trust"]["noise"]["verdict"] == "ok", f"bbar: noise is ok: {noise}")
-    sheet.above("default: noise", noise[""], 0.5)
-    # the advice is for a remedy that takes at least a third of the noise away, and for no other one
-    sheet.below("bbar: noise over that of the default", noise[BBAR] / noise[""], 2.0 / 3.0)
-    for words in OTHERS:
-        sheet.above(f"{words}: noise over that of the default", noise[words] / noise[""], 2.0 / 3.0)
+    # above 0.5 the verdict of trust is no longer ok: the advice is for a remedy that reaches it
+    sheet.below("bbar: noise", noise[BBAR], 0.5)
+    for words in ("", *OTHERS):
+        sheet.above(f"{words or 'default'}: noise", noise[words], 0.5)
 
 
 @pytest.mark.parametrize("material, words, named", [

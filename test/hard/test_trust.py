@@ -173,7 +173,7 @@ def test_rotation(options, sheet):
     rows = [("here", {}), ("away", {"x": 2.0}), ("flying", {"x": 0.0, "motion": "spin=0,1,0  velocity=1,0,0"})]
     if tier.NAME != "smoke":
         rows += [("space", {"dimension": "3d"}), ("oblique", {"dimension": "3d", "motion": "spin=1,-0.5,0.7"}),
-                 ("falling", {"effects": "gravity=0,0,-0.1"})]
+                 ("falling", {"effects": "gravity=.true.  gravity_vector=0,0,-0.1"})]
     for name, how in rows:
         for transfer, verdict in (("rflip", "ok"), ("xpic", "bad")):
             run = turn(options, f"{name}_{transfer}", f"transfer='{transfer}'", **how)
@@ -188,9 +188,9 @@ def test_rotation(options, sheet):
 
 def test_rotation_is_not_rated(options, sheet):
     """Torques of walls that cancel, and motion that does not turn."""
-    floor = "&boundary  face='zlo'  type='stick' /"
-    run = turn(options, "floor", "transfer='xpic'", effects="gravity=0,0,-1", motion="", more=floor.replace(
-        "face='zlo'", "region='plate'") + "&region name='plate' shape='box' lo=-0.6,0,-0.6 hi=3,1,-0.2 /")
+    plate = "&region  name='plate'  shape='box'  lo=-0.6,0,-0.6  hi=3,1,-0.2 /\n&boundary  region='plate'  type='stick' /"
+    run = turn(options, "floor", "transfer='xpic'", effects="gravity=.true.  gravity_vector=0,0,-1", x=1.0,
+               motion="", more=plate)
     sheet.require(run.summary["trust"]["angular"]["value"] == 0.0, f"floor: not rated: {run.summary['trust']}")
     sheet.above("floor: the wall exerts a torque", float(abs(run.history["torque_impulse_y"]).max()), 1.0e-6)
     run = turn(options, "vibrating", "transfer='rflip'", motion="velocity_formula='2*x','0','0'", end=0.2)
@@ -214,7 +214,8 @@ def test_local_load(options, sheet):
         rows += [("fine", {"size": 5, "dx": 0.05}), ("pressure", {"size": 6, "load": "pressure=5"}),
                  ("shear", {"size": 6, "load": "traction=5,0,0  normal=0,0,1"}),
                  ("space", {"size": 2, "dimension": "3d"}),
-                 ("heavy", {"size": 6, "effects": "gravity=0,0,-0.01"}), ("late", {"size": 6, "end": 1.0})]
+                 ("heavy", {"size": 6, "effects": "gravity=.true.  gravity_vector=0,0,-0.01"}),
+                 ("late", {"size": 6, "end": 1.0})]
     for name, how in rows:
         run = patch(options, name, **how)
         trust = run.summary["trust"]
