@@ -21,18 +21,19 @@ module io_trust_record
    integer, parameter, public :: trust_retired = 7   !! Mass of particles removed out of bounds
    integer, parameter, public :: trust_damped = 8 !! Kinetic energy dissipated by the PIC fraction
    integer, parameter, public :: trust_momentum = 9  !! Error of the momentum balance at the end
-   integer, parameter, public :: trust_entries = 9   !! Number of these
+   integer, parameter, public :: trust_angular = 10  !! Error of the balance of angular momentum
+   integer, parameter, public :: trust_entries = 10  !! Number of these
    character(len=8), parameter, public :: trust_names(trust_entries) = [character(len=8) :: &
       "energy", "volume", "stretch", "noise", "speed", "heat", "retired", &
-      "damped", "momentum"]
+      "damped", "momentum", "angular"]
    integer, parameter, public :: trust_ok = 1, trust_suspect = 2, trust_bad = 3
    character(len=5), parameter, public :: trust_words(3) = [character(len=5) :: "ok", "check", &
       "bad"]
    !> Values up to these limits are ok, values beyond the next limits are bad
    real(wp), parameter :: ok_until(trust_entries) = &
-      [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp, 1.0e-9_wp]
+      [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp, 1.0e-9_wp, 0.01_wp]
    real(wp), parameter :: bad_beyond(trust_entries) = &
-      [0.1_wp, 0.25_wp, 0.1_wp, sqrt(0.5_wp), 4.0_wp, 16.0_wp, 0.01_wp, 0.5_wp, 0.01_wp]
+      [0.1_wp, 0.25_wp, 0.1_wp, sqrt(0.5_wp), 4.0_wp, 16.0_wp, 0.01_wp, 0.5_wp, 0.01_wp, 0.05_wp]
    !> Energy below the initial minimum, in the same unit as the heat above
    real(wp), parameter :: cold_ok = 1.0_wp, cold_bad = 4.0_wp
    !> Distance of separated neighbours [cells]: one in ten pairs at this distance has no common node
@@ -48,6 +49,7 @@ module io_trust_record
       real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]
       real(wp) :: least_energy = 0.0_wp              !! Least internal energy [J/kg]
       real(wp) :: work = 0.0_wp                      !! Greatest work of walls and gravity [J]
+      real(wp) :: load_work = 0.0_wp !! Bound on the work of loads on a particle [J/kg]
       logical :: begun = .false.                     !! Is the start known?
       logical :: failed = .false.                    !! Did the run have to end?
       logical :: warned(trust_entries) = .false.     !! Has a warning been given?
@@ -124,7 +126,8 @@ contains
       type(state_t), intent(inout) :: state          !! State of the checkpoint
 
       call state%set("trust", [trust%worst, trust%longest, trust%pressure, trust%difference, &
-         trust%start_speed, trust%start_energy, trust%least_energy, trust%work])
+         trust%start_speed, trust%start_energy, trust%least_energy, trust%work, &
+         trust%load_work])
       call state%set("trust_flags", [merge(1_int64, 0_int64, trust%warned), &
          merge(1_int64, 0_int64, trust%begun)])
    end subroutine save_trust
@@ -142,7 +145,7 @@ contains
       if (allocated(error)) return
       call state%get("trust_flags", flags, error)
       if (allocated(error)) return
-      if (size(values) /= trust_entries + 7 .or. size(flags) /= trust_entries + 1) return
+      if (size(values) /= trust_entries + 8 .or. size(flags) /= trust_entries + 1) return
       trust%worst = values(:trust_entries)
       associate (rest => values(trust_entries + 1:))
          trust%longest = rest(1)
@@ -152,6 +155,7 @@ contains
          trust%start_energy = rest(5)
          trust%least_energy = rest(6)
          trust%work = rest(7)
+         trust%load_work = rest(8)
       end associate
       trust%warned = flags(:trust_entries) /= 0
       trust%begun = flags(trust_entries + 1) /= 0

@@ -6,7 +6,10 @@ module material_kinds
    implicit none
    private
 
-   public :: all_gases, any_gas, is_fluid, is_gas, stores_work, supports_any_shear
+   public :: all_gases, any_gas, is_fluid, is_gas, may_lock, stores_work, supports_any_shear
+
+   !> Poisson's ratio from which on particles keep their volume, so that few cells lock [1]
+   real(wp), parameter :: nearly_incompressible = 0.45_wp
 
 contains
 
@@ -18,6 +21,23 @@ contains
       if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
          material%law%has_grains() .or. material%law%gives_whole_stress())
    end function is_fluid
+
+   !> May few cells lock: does a material with shear strength keep its volume, because it is nearly
+   !! incompressible, or because it flows plastically with a strength that no pressure changes?
+   !! Section "Locking: B-bar" of doc/theory/method.md.
+   pure logical function may_lock(material) result(yes)
+      type(material_t), intent(in) :: material
+
+      yes = .false.
+      if (.not. allocated(material%law)) return
+      if (.not. material%law%has_shear()) return
+      associate (bulk => material%bulk, shear => material%shear)
+         yes = 3.0_wp*bulk - 2.0_wp*shear >= 2.0_wp*nearly_incompressible*(3.0_wp*bulk + shear)
+      end associate
+      ! flow that depends on the pressure has an apex, a least pressure
+      if (.not. yes) yes = material%law%is_plastic() .and. .not. material%law%grows_pores() .and. &
+         material%law%least_pressure() <= -0.5_wp*huge(1.0_wp)
+   end function may_lock
 
    !> Does a material support any shear: without flow, failure or a law for large strains?
    pure logical function supports_any_shear(material) result(yes)

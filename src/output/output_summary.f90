@@ -11,6 +11,7 @@ module output_summary
    use io_summary, only: json_t
    use material_effect_timers, only: divide_phase_time
    use omp_lib, only: omp_get_max_threads
+   use output_balance_warnings, only: warn_of_balance
    use output_checkpoint, only: describe_state
    use output_rank_counts, only: add_rank_counts, find_rank_counts, rank_counts_t
    use output_signal_limit, only: add_signal_limit, find_signal_limit, signal_limit_t
@@ -21,7 +22,7 @@ module output_summary
    use step_node_fields, only: node_needs_t, node_tally_t
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
-   use step_trust, only: final_trust, warn_of_balance
+   use step_trust, only: final_trust
    use io_trust_record, only: add_trust, trust_t, trust_text
    implicit none
    private

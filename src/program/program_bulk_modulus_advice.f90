@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Advice to lower the bulk modulus of a slow flow, where a high modulus causes many steps. Section
-!! "Stiffness of slow flows" of doc/theory/time_step.md.
+!> Advice on material that keeps its volume: to lower the bulk modulus of a slow flow, where a high
+!! modulus causes many steps (section "Stiffness of slow flows" of doc/theory/time_step.md), and to
+!! avoid locking (section "Locking: B-bar" of doc/theory/method.md).
 module program_bulk_modulus_advice
    use base_kinds, only: int64, wp
    use base_text, only: number
@@ -8,6 +9,7 @@ module program_bulk_modulus_advice
    use law_mohr_coulomb, only: law_mohr_coulomb_t
    use law_mu_i, only: law_mu_i_t
    use law_newtonian, only: law_newtonian_t
+   use material_kinds, only: may_lock
    use material_type, only: material_t
    use mesh_motion, only: motion_t
    use particle_fill, only: body_t
@@ -17,7 +19,7 @@ module program_bulk_modulus_advice
    implicit none
    private
 
-   public :: bulk_modulus_advice
+   public :: bulk_modulus_advice, locking_advice
 
    real(wp), parameter :: compression = 0.01_wp      !! Proposed change of volume [1]
    real(wp), parameter :: many_steps = 10000.0_wp    !! No advice for fewer steps
@@ -58,6 +60,28 @@ contains
             "would change volumes by about 1 % (doc/guide/running.md)"//new_line("a")
       end associate
    end function bulk_modulus_advice
+
+   !> A line for the first material that may lock, or empty. Materials with an internal energy are
+   !! left out: they are those of shocks, whose pressure exceeds the strength.
+   function locking_advice(simulation) result(text)
+      type(simulation_t), intent(in) :: simulation   !! Without particles
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = ""
+      if (simulation%scheme%method%even .or. simulation%space%grid%dimensions == 1) return
+      ! contact of a body with itself excludes it
+      if (any([(allocated(simulation%fields(n)%sides), n=1, size(simulation%fields))])) return
+      do n = 1, size(simulation%materials)
+         associate (material => simulation%materials(n))
+            if (.not. may_lock(material) .or. material%carries_energy()) cycle
+            text = "locking    '"//material%name//"' keeps its volume while it deforms: few "// &
+               "cells are too stiff and their pressure is noisy; antilock = 'bbar' in &method "// &
+               "prevents this (doc/theory/verification_bodies.md)"//new_line("a")
+            return
+         end associate
+      end do
+   end function locking_advice
 
    !> True if waves or initial stresses may determine the result: then the loads are unknown here.
    pure logical function has_wave_loads(simulation, bodies) result(state)

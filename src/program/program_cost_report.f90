@@ -7,7 +7,7 @@ module program_cost_report
    use constitutive_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
-   use program_bulk_modulus_advice, only: bulk_modulus_advice
+   use program_bulk_modulus_advice, only: bulk_modulus_advice, locking_advice
    use program_expected_steps, only: expected_steps, find_first_step, meetings_text
    use program_run_limits, only: limits_t
    use program_solid_volumes, only: solid_volumes_text
@@ -50,6 +50,7 @@ contains
          //"step       first dt "//four_digits(dt)//" s"//cause//"; about "// &
          number(nint(steps, int64))//" steps"// &
          new_line("a")//bulk_modulus_advice(simulation, bodies, limits)// &
+         locking_advice(simulation)// &
          "memory     "//size_text(bytes)//" for particle and node fields, total of all ranks"// &
          new_line("a")// &
          "output     "//number(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &

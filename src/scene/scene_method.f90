@@ -2,13 +2,14 @@
 !> The group &method: its keys and the method that they select.
 module scene_method
    use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: brief
    use ddmp_alpha, only: alpha_names
    use ddmp_catalogue, only: quadrature_names
    use ddmp_dual, only: surface_names
    use scene_method_defaults, only: set_method_defaults, unseen_usual
-   use step_method, only: method_t, position_of, stress_names
+   use step_method, only: method_t, position_of, stress_after, stress_names
    use transfer_catalogue, only: basis_names, choose_velocity, velocity_names
    use transfer_velocity, only: velocity_t
    implicit none
@@ -139,9 +140,7 @@ contains
       call choose_velocity(word, method%transfer)
       if (.not. allocated(method%transfer)) call choose_velocity("flip", method%transfer)
       call method%transfer%read(deck, group)
-      if (method%transfer%affine() .and. .not. (method%transfer%turning() .or. method%dual) .and. &
-         basis == "linear") call deck%warn(group, "linear functions with transfer = '"//word// &
-         "' gain energy without bound; write basis = 'quadratic'", "transfer")
+      if (.not. method%dual .and. basis == "linear") call warn_of_linear(method, deck, group, word)
       if (method%transfer%turning()) then
          call group%get("turn_from", word)
          method%smooth_turn = word == "tiles"
@@ -153,6 +152,24 @@ contains
       method%limited = method%dual .and. word == "smooth"
       call read_splitting(method, group)
    end subroutine read_method
+
+   !> Warn of combinations with plain linear functions that gain energy without bound, because the
+   !! force jumps where particles cross cells (test/verify/matrix).
+   subroutine warn_of_linear(method, deck, group, transfer)
+      type(method_t), intent(in) :: method
+      type(deck_t), intent(inout) :: deck            !! Gets the warning
+      type(group_t), intent(in) :: group             !! &method
+      character(len=*), intent(in) :: transfer       !! Word of the deck
+
+      if (method%transfer%affine() .and. .not. method%transfer%turning()) then
+         call deck%warn(group, "linear functions with transfer = '"//transfer// &
+            "' gain energy without bound; write basis = 'quadratic'", "transfer")
+      else if (method%stress == stress_after .and. method%transfer%flip_fraction() > 0.0_wp) then
+         call deck%warn(group, "linear functions with stress_update = 'usl' gain energy "// &
+            "without bound where bodies cross cells; write stress_update = 'musl'", &
+            "stress_update")
+      end if
+   end subroutine warn_of_linear
 
    !> Criteria for the splitting of long particles.
    subroutine read_splitting(method, group)

@@ -102,7 +102,9 @@ contains
    end subroutine set_elastic_defaults
 
    !> With two velocities the default rotation is that of the surroundings, because the rotation of
-   !! single particles creates energy.
+   !! single particles creates energy: the stress works with the velocities of their linear fields,
+   !! which the kinetic energy of particles does not include. A whole linear field has no smooth
+   !! part that could replace it, so transfers with such fields are refused.
    subroutine set_turn_default(deck)
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: transfer, update, turn
@@ -111,7 +113,11 @@ contains
       group = deck%group("method", 1)
       call group%get("transfer", transfer)
       call group%get("stress_update", update)
-      if (transfer /= "rflip" .or. update /= stress_names(stress_average)) return
+      if (update /= stress_names(stress_average)) return
+      if (any(transfer == ["aflip", "apic "])) call deck%add_error(group, "stress_update = "// &
+         "'usavg' generates energy without bound with transfer = '"//transfer//"'; write "// &
+         "transfer = 'rflip' or remove stress_update", "stress_update")
+      if (transfer /= "rflip") return
       if (.not. group%given("turn_from")) then
          call deck%set_default("method", 1, "turn_from", "tiles")
          return

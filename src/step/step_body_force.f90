@@ -121,7 +121,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: centre(:, :) !! (3, node) Velocity, mid-step [m/s]
-      real(wp) :: total(3), turn(3), work, force(3), place(3)
+      real(wp) :: total(3), turn(3), work, force(3), place(3), given
       integer :: p, q, k
 
       call find_loads(simulation, scratch, store, tile)
@@ -133,18 +133,20 @@ contains
       associate (load => scratch%pushed%load, gradient => scratch%deformation%gradient)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            do k = 1, 3
-               force(k) = simulation%clock%kick*store%state%volume(q)*scratch%pushed%density(p, k)
-               place(k) = store%position(q, k)
-               work = work + force(k)*scratch%shape%vector(p, k)
-            end do
-            total = total + force
-            turn = turn + cross(place, force)
-            work = work + store%state%volume(q)*(load(p, 1)*gradient(p, 1) &
+            given = store%state%volume(q)*(load(p, 1)*gradient(p, 1) &
                + load(p, 2)*gradient(p, 5) + load(p, 3)*gradient(p, 9) &
                + load(p, 4)*(gradient(p, 2) + gradient(p, 4)) &
                + load(p, 5)*(gradient(p, 6) + gradient(p, 8)) &
                + load(p, 6)*(gradient(p, 3) + gradient(p, 7)))
+            do k = 1, 3
+               force(k) = simulation%clock%kick*store%state%volume(q)*scratch%pushed%density(p, k)
+               place(k) = store%position(q, k)
+               given = given + force(k)*scratch%shape%vector(p, k)
+            end do
+            total = total + force
+            turn = turn + cross(place, force)
+            work = work + given
+            scratch%load_work = max(scratch%load_work, given/store%state%mass(q))
          end do
       end associate
       do k = 1, 3

@@ -118,6 +118,8 @@ module step_ledger
       ledger_entry_t("retired_mass", "kg", .true.), &
       ledger_entry_t("damped", "J", .true.)]
 
+   !> Sums over particles that only scales of errors use.
+   integer, parameter :: scale_count = 6
    !> Number of entries that accumulate.
    integer, parameter :: running = count(ledger_entries%accumulates)
 
@@ -129,6 +131,7 @@ module step_ledger
       real(wp) :: mass_error = 0.0_wp                !! Relative to the mass at the start
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
       real(wp) :: angular_error = 0.0_wp !! Relative to the greatest sum of m |x||v| so far
+      real(wp) :: turn_error = 0.0_wp    !! The same error, relative to the greatest turning motion
       real(wp) :: energy_error = 0.0_wp              !! Relative to the energy at the start
       real(wp) :: damped_share = 0.0_wp              !! Damped energy, relative to the same
    end type balance_t
@@ -141,6 +144,7 @@ module step_ledger
       type(wall_sums_t) :: walls                     !! Action of each wall, if an output shows it
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
+      real(wp) :: turn_scale = 0.0_wp    !! Greatest turning motion [kg m2/s], equation (L.14)
    contains
       procedure :: record_lost => ledger_record_lost     !! Record the particles that left the box
       procedure :: record_particle => ledger_record_particle     !! Record a particle that leaves
@@ -241,7 +245,7 @@ contains
       type(store_t), intent(in) :: stores(:)
       type(material_t), intent(in) :: materials(:)   !! Their materials
       type(balance_t), intent(out) :: now            !! Entries and errors
-      type(exact_sum_t) :: sums(size(ledger_entries)), scales(2), total
+      type(exact_sum_t) :: sums(size(ledger_entries)), scales(scale_count), total
       real(wp) :: drift(3)
       integer :: index, n
 
@@ -254,8 +258,9 @@ contains
          now%entry(n) = sums(n)%value()
       end do
       call clear_meaningless(grid, now%entry)
-      call scales(1)%over_ranks(communicator)
-      call scales(2)%over_ranks(communicator)
+      do n = 1, scale_count
+         call scales(n)%over_ranks(communicator)
+      end do
       call total%merge(sums(kinetic))
       call total%merge(sums(internal))
       call total%merge(sums(lost_energy))
@@ -276,11 +281,36 @@ contains
       ! in a periodic box angular momentum has no meaning
       if (any(grid%periodic)) drift = 0.0_wp
       now%angular_error = ratio(norm2(drift), self%angular_scale)
+      self%turn_scale = max(self%turn_scale, turning_motion(scales, now%entry))
+      now%turn_error = ratio(norm2(drift), self%turn_scale)
       now%energy_error = ratio(now%total - self%start%total - now%entry(external_work), &
          max(abs(self%start%total), abs(now%entry(external_work))))
       now%damped_share = ratio(now%entry(damped), max(abs(self%start%total), &
          abs(now%entry(external_work))))
    end subroutine ledger_balance
+
+   !> Turning motion about the centre of mass [kg m2/s]: the angular momentum, or a tenth of its
+   !! upper bound, which a body that turns in a plane attains. Equation (L.14).
+   real(wp) function turning_motion(scales, entry) result(motion)
+      type(exact_sum_t), intent(in) :: scales(scale_count) !! As `sum_tile` adds them
+      real(wp), intent(in) :: entry(:)               !! Entries at this time
+      real(wp), parameter :: part = 0.1_wp !! Motion with less angular momentum does not turn [1]
+      real(wp) :: centre(3), turn(3), distance, speed
+      integer :: k
+
+      motion = 0.0_wp
+      if (.not. entry(mass) > 0.0_wp) return
+      do k = 1, 3
+         centre(k) = scales(2 + k)%value()/entry(mass)
+      end do
+      ! squares of the distance from the centre of mass and of the speed relative to it
+      distance = max(0.0_wp, scales(6)%value()/entry(mass) - sum(centre**2))
+      associate (p => entry(momentum:momentum + 2), total => entry(angular:angular + 2))
+         speed = max(0.0_wp, 2.0_wp*entry(kinetic)/entry(mass) - sum((p/entry(mass))**2))
+         turn = total - merge(cross(centre, p), 0.0_wp, abs(total) > 0.0_wp)
+      end associate
+      motion = max(norm2(turn), part*entry(mass)*sqrt(distance*speed))
+   end function turning_motion
 
    !> Clear components that the scene does not have. In axisymmetric scenes particles are rings:
    !! only the axial
@@ -308,15 +338,14 @@ contains
       type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
       type(exact_sum_t), intent(inout) :: sums(:)    !! (entry) Of the state only
-      type(exact_sum_t), intent(inout) :: scales(2)  !! Sums of m |v| and m |x||v|
+      type(exact_sum_t), intent(inout) :: scales(scale_count) !! As `sum_tile`
       type(exact_sum_t), allocatable :: part(:)
-      real(wp) :: tile_sum(size(ledger_entries)), tile_scale(2)
+      real(wp) :: tile_sum(size(ledger_entries)), tile_scale(scale_count)
       integer :: n, tile
 
       !$omp parallel default(none) shared(store, material, sums, scales) &
       !$omp private(part, tile_sum, tile_scale, n, tile)
-      ! two more than the entries: the scales
-      allocate (part(size(sums) + 2))
+      allocate (part(size(sums) + scale_count))
       !$omp do schedule(dynamic, 16)
       do tile = 1, size(store%count)
          if (store%count(tile) == 0) cycle
@@ -324,16 +353,18 @@ contains
          do n = 1, size(sums)
             if (.not. ledger_entries(n)%accumulates) call part(n)%add(tile_sum(n))
          end do
-         call part(size(sums) + 1)%add(tile_scale(1))
-         call part(size(sums) + 2)%add(tile_scale(2))
+         do n = 1, scale_count
+            call part(size(sums) + n)%add(tile_scale(n))
+         end do
       end do
       !$omp end do nowait
       !$omp critical (ledger_sums)
       do n = 1, size(sums)
          call sums(n)%merge(part(n))
       end do
-      call scales(1)%merge(part(size(sums) + 1))
-      call scales(2)%merge(part(size(sums) + 2))
+      do n = 1, scale_count
+         call scales(n)%merge(part(size(sums) + n))
+      end do
       !$omp end critical (ledger_sums)
       !$omp end parallel
    end subroutine sum_store
@@ -344,7 +375,7 @@ contains
       type(material_t), intent(in) :: material       !! Their material
       integer, intent(in) :: tile                    !! Index
       real(wp), intent(out) :: sums(:)               !! Entries of the state
-      real(wp), intent(out) :: scales(2)             !! Sums of m |v| and m |x||v|
+      real(wp), intent(out) :: scales(scale_count)   !! Sums of m |v|, m |x||v|, m x, m |x|**2
       real(wp) :: energy(store%count(tile)), m, x(3), v(3), speed
       integer :: p, first, last
 
@@ -363,7 +394,7 @@ contains
          sums(angular:angular + 2) = sums(angular:angular + 2) + m*cross(x, v)
          sums(kinetic) = sums(kinetic) + 0.5_wp*m*speed**2
          sums(internal) = sums(internal) + energy(p - first + 1)
-         scales = scales + m*speed*[1.0_wp, norm2(x)]
+         scales = scales + m*[speed, speed*norm2(x), x, sum(x**2)]
       end do
       if (.not. allocated(store%state%failed)) return
       do p = first, last
@@ -415,7 +446,7 @@ contains
          call state%set("ledger_walls", words)
       end if
       call state%set("ledger_start", [self%start%entry, self%start%total])
-      call state%set("ledger_scales", [self%momentum_scale, self%angular_scale])
+      call state%set("ledger_scales", [self%momentum_scale, self%angular_scale, self%turn_scale])
    end subroutine ledger_save
 
    !> Read the running sums from a checkpoint; rank 0 holds them all.
@@ -435,7 +466,7 @@ contains
       if (allocated(error)) return
       call state%get("ledger_scales", scales, error)
       if (allocated(error)) return
-      if (size(start) /= size(ledger_entries) + 1) then
+      if (size(start) /= size(ledger_entries) + 1 .or. size(scales) /= 3) then
          call fail(error, exit_file, "the checkpoint has the ledger of another version of scree")
          return
       end if
@@ -443,6 +474,7 @@ contains
       self%start%total = start(size(ledger_entries) + 1)
       self%momentum_scale = scales(1)
       self%angular_scale = scales(2)
+      self%turn_scale = scales(3)
       first = 1
       do n = 1, size(ledger_entries)
          if (.not. ledger_entries(n)%accumulates) cycle

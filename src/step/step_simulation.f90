@@ -117,6 +117,7 @@ module step_simulation
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       !> Mass times acceleration of nodes in the last step, if a criterion needs it [N]
       type(exact_sum_t), allocatable :: unbalanced
+      real(wp) :: load_work = 0.0_wp !! Greatest work of loads on a particle in a step [J/kg]
       logical :: sound = .true.                      !! Are all particles in their bounds?
       logical :: retired = .false.                   !! True if a particle was retired
       type(reach_t) :: reach                         !! Node that moves too far, if tested

@@ -19,23 +19,26 @@ contains
    subroutine finish_step(simulation, error)
       type(simulation_t), intent(inout) :: simulation
       type(error_t), allocatable, intent(out) :: error !! If a value is NaN
-      real(wp) :: fastest, diffusivity, rate
+      real(wp) :: fastest, diffusivity, rate, load_work
       character(len=:), allocatable :: text
       logical :: sound, retired
       integer :: thread
 
       fastest = 0.0_wp
+      load_work = 0.0_wp
       sound = .true.
       retired = .false.
       call find_rate(simulation, rate)
       do thread = 0, ubound(simulation%scratch, 1)
          associate (scratch => simulation%scratch(thread))
             fastest = max(fastest, scratch%fastest)
+            load_work = max(load_work, scratch%load_work)
             sound = sound .and. scratch%sound
             retired = retired .or. scratch%retired
             call simulation%balance%ledger%merge(scratch%ledger)
             call scratch%ledger%clear()
             scratch%fastest = 0.0_wp
+            scratch%load_work = 0.0_wp
             scratch%sound = .true.
             scratch%retired = .false.
          end associate
@@ -44,7 +47,9 @@ contains
       if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
       diffusivity = 0.0_wp
       if (allocated(simulation%effects%conduction)) diffusivity = greatest_diffusivity(simulation)
-      call agree(simulation, fastest, diffusivity, rate, retired)
+      call agree(simulation, fastest, diffusivity, rate, load_work, retired)
+      ! a bound on the work that any particle has received, equation (L.10) of doc/theory/ledger.md
+      simulation%balance%trust%load_work = simulation%balance%trust%load_work + load_work
       if (fastest >= huge(fastest)) then
          call name_offending_particle(simulation, text)
          call fail(error, exit_physics, text)
@@ -95,18 +100,19 @@ contains
 
    !> Agree with the other ranks on the fastest signal and on requests: the only point in a step
    !! where all ranks wait for each other.
-   subroutine agree(simulation, fastest, diffusivity, rate, retired)
+   subroutine agree(simulation, fastest, diffusivity, rate, load_work, retired)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(inout) :: fastest !! Greatest speed: of this rank in, of all ranks out [m/s]
       real(wp), intent(inout) :: diffusivity !! Greatest diffusivity: rank in, all out [m2/s]
       real(wp), intent(inout) :: rate                !! Greatest rate: rank in, all out [1/s]
+      real(wp), intent(inout) :: load_work !! Work of loads on a particle: rank in, all out [J/kg]
       logical, intent(inout) :: retired              !! Have particles been removed?
-      real(wp) :: values(8)
+      real(wp) :: values(9)
 
       if (simulation%machine%communicator%size == 1) return
       associate (requests => simulation%machine%requests)
          values = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
-            rate, merge(1.0_wp, 0.0_wp, retired), requests%present]
+            rate, merge(1.0_wp, 0.0_wp, retired), requests%present, load_work]
          call simulation%machine%timer%start(simulation%machine%phase%wait)
          call simulation%machine%communicator%maxima(values)
          call simulation%machine%timer%stop(simulation%machine%phase%wait)
@@ -119,6 +125,7 @@ contains
          rate = values(6)
          retired = values(7) > 0.0_wp
          requests%present = values(8)
+         load_work = values(9)
       end associate
    end subroutine agree
 

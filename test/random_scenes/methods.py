@@ -53,6 +53,8 @@ def draw(chance, plan):
     if chance.true(0.4) and not keys.get("paper"):
         keys["stress_update"] = chance.choose(["usl", "usf", "musl", "usavg"])
     word = keys.get("transfer", "rflip" if dual else "flip")
+    if keys.get("stress_update") == "usavg" and word in ("apic", "aflip"):
+        keys["stress_update"] = "musl"         # the program refuses usavg with whole linear fields
     if word in ("flip", "rflip", "aflip") and chance.true(0.4) and not keys.get("paper"):
         keys["flip"] = chance.choose([1.0, 0.995, 0.99, 0.95])
     if word in ("xpic", "fmpm") and chance.true(0.5):

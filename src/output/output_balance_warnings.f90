@@ -1,0 +1,114 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Warnings at the end of a run of balances that do not close, with the remedy.
+module output_balance_warnings
+   use base_kinds, only: wp
+   use base_log, only: log_t
+   use ddmp_dual, only: surface_fill
+   use io_trust_record, only: trust_angular, trust_damped, trust_energy, trust_momentum, trust_ok, &
+      trust_t, verdict_of
+   use step_ledger, only: balance_t
+   use step_method, only: method_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: warn_of_balance
+
+contains
+
+   !> Report at the end which balances do not close, with the remedy. Collective.
+   subroutine warn_of_balance(simulation, now, trust, log)
+      type(simulation_t), intent(in) :: simulation   !! Method and fields are used
+      type(balance_t), intent(in) :: now             !! Balance at this time
+      type(trust_t), intent(in) :: trust             !! Measures at the end
+      type(log_t), intent(inout) :: log              !! Gets the warnings
+      logical :: parts
+      integer :: n
+
+      parts = any([(allocated(simulation%fields(n)%sides), n=1, size(simulation%fields))])
+      call warn_of_energy(simulation%scheme%method, parts, now, trust, log)
+      call warn_of_momentum(simulation%scheme%method, trust, log)
+      call warn_of_turning(simulation%scheme%method, trust, log)
+   end subroutine warn_of_balance
+
+   !> Report at the end that energy is lost, with the remedy. Collective.
+   subroutine warn_of_energy(method, parts, now, trust, log)
+      type(method_t), intent(in) :: method           !! Numerical method of the run
+      logical, intent(in) :: parts                   !! Does a body touch itself?
+      type(balance_t), intent(in) :: now             !! Balance at this time
+      type(trust_t), intent(in) :: trust             !! Measures at the end
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      character(len=:), allocatable :: remedy
+      character(len=16) :: share
+      real(wp) :: lost
+      logical :: strays
+
+      lost = max(0.0_wp, now%damped_share) - min(0.0_wp, now%energy_error)
+      if (trust%failed .or. .not. lost > 0.0_wp) return
+      strays = now%energy_error < 0.0_wp .and. &
+         verdict_of(trust_energy, trust%worst(trust_energy)) /= trust_ok
+      if (.not. strays .and. verdict_of(trust_damped, now%damped_share) == trust_ok) return
+      remedy = ""
+      ! a body that touches itself is refused with usavg
+      ! transfers that filter all velocities lose the energy with any update, and whole linear
+      ! fields generate energy with usavg
+      if (strays .and. .not. parts .and. (.not. method%transfer%flip_fraction() > 0.0_wp .or. &
+         (method%transfer%affine() .and. .not. method%transfer%turning()))) &
+         remedy = " transfer = 'rflip',"
+      if (strays .and. .not. (method%averages() .or. parts)) &
+         remedy = remedy//" stress_update = 'usavg',"
+      if (method%transfer%flip_fraction() > 0.0_wp &
+         .and. method%transfer%flip_fraction() < 1.0_wp) remedy = remedy//" flip = 1,"
+      if (len(remedy) == 0) then
+         remedy = "use more particles per cell (ppc)"
+      else
+         remedy = "write"//remedy(:len(remedy) - 1)//" in &method"
+      end if
+      if (lost < 1.0e6_wp) then
+         write (share, "(f0.1)") 100.0_wp*lost
+      else
+         write (share, "(es8.1)") 100.0_wp*lost
+      end if
+      call log%warn("warning: "//trim(share)//" % of the energy is lost: materials without "// &
+         "internal energy do not store the energy that strain update and transfers "// &
+         "dissipate; "//remedy)
+   end subroutine warn_of_energy
+
+   !> Report at the end that momentum is not conserved, with the error. Collective.
+   subroutine warn_of_momentum(method, trust, log)
+      type(method_t), intent(in) :: method           !! Numerical method of the run
+      type(trust_t), intent(in) :: trust             !! Measures at the end
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      character(len=:), allocatable :: remedy
+      character(len=16) :: share
+
+      if (trust%failed) return
+      if (verdict_of(trust_momentum, trust%worst(trust_momentum)) == trust_ok) return
+      remedy = "find the step at which the error begins in the history"
+      if (method%surface /= surface_fill) remedy = "a cell with an empty node exerts a force "// &
+         "where there is no mass; write free_surface = 'fill' in &method"
+      if (method%differing()) remedy = "a different mean stress is subtracted at each node; "// &
+         "write quadrature = 'point' in &method"
+      write (share, "(es8.1)") abs(trust%worst(trust_momentum))
+      call log%warn("warning: momentum is not conserved, error"//trim(share)//" of the "// &
+         "greatest sum of m |v|: "//remedy)
+   end subroutine warn_of_momentum
+
+   !> Report at the end that angular momentum is not conserved, with the remedy. Collective.
+   subroutine warn_of_turning(method, trust, log)
+      type(method_t), intent(in) :: method           !! Numerical method of the run
+      type(trust_t), intent(in) :: trust             !! Measures at the end
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      character(len=:), allocatable :: remedy
+      character(len=16) :: share
+
+      if (trust%failed) return
+      if (verdict_of(trust_angular, trust%worst(trust_angular)) == trust_ok) return
+      remedy = "use finer cells"
+      if (.not. method%transfer%affine()) remedy = "the transfer slows rotation down; write "// &
+         "transfer = 'rflip' in &method"
+      write (share, "(f0.1)") 100.0_wp*min(trust%worst(trust_angular), 1.0e6_wp)
+      call log%warn("warning: angular momentum is not conserved, error "//trim(share)//" % of "// &
+         "the greatest turning motion: "//remedy)
+   end subroutine warn_of_turning
+end module output_balance_warnings
