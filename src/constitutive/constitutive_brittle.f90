@@ -56,7 +56,7 @@ contains
 
    !> Reference volume that a particle represents, on which its strength depends: its own volume; in
    !! one dimension the cube of its length and in plane strain that of the square root of its area,
-   !! so that the extent of the grid in other directions does not matter. In axisymmetry it is the
+   !! so that the extent of the grid in other directions has no effect. In axisymmetry it is the
    !! volume of the ring. Equation (F.6) of doc/theory/failure.md.
    elemental real(wp) function slice_volume(self, mass, density) result(volume)
       class(slice_t), intent(in) :: self

@@ -162,7 +162,7 @@ contains
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
-   !> Tell the damage models how far particles extend in the directions that are not computed.
+   !> Set the extent of particles in the directions that are not computed, for the damage models.
    subroutine set_slices(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer :: index

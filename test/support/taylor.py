@@ -37,6 +37,34 @@ CLASSIC = Bar("classic.nml", 32.4, 3.2)
 EXPERIMENT = (16.2, 13.5, 10.1)
 
 
+@dataclasses.dataclass(frozen=True)
+class Shot:
+    """A measured copper bar: length and diameter [mm], speed [m/s], final over initial length."""
+
+    length: float
+    diameter: float
+    speed: float
+    ratio: float
+
+
+#: OFHC copper by G. R. Johnson, W. H. Cook, T. J. Holmquist; copper by M. L. Wilkins, M. W. Guinan (1973); all as
+#: tabulated in HighRateExptData of B. Banerjee.
+SHOTS = {"johnson_130": Shot(25.4, 7.62, 130.0, 19.56 / 25.4), "johnson_190": Shot(25.4, 7.62, 190.0, 16.21 / 25.4),
+         "wilkins_210": Shot(23.47, 7.62, 210.0, 0.643)}
+SHOT = """
+&run  dimension='axisymmetric' /
+&grid  lo=0,0,0  hi={width},0,{height}  dx={spacing} /
+&time  t_end=100e-6 /
+&effects  thermal=.true.  {effects} /
+&material  name='copper'  preset='cu_ofhc' /
+&region  name='bar'  shape='box'  lo=0,0,0  hi={radius},0,{length} /
+&body  name='bar'  region='bar'  material='copper'  ppc=2,1,2  velocity=0,0,-{speed}  temperature=298 /
+&boundary  face='xlo'  type='symmetry' /
+&boundary  face='zlo'  type='slip' /
+&output  name='bar'  kind='particles'  count=2  precision='double' /
+"""
+
+
 def extend(line):
     """Extrapolate half a step beyond the last position of a line of the lattice, from the last three positions."""
     return line[-1] + 0.5 * (1.5 * (line[-1] - line[-2]) - 0.5 * (line[-2] - line[-3]))
@@ -94,3 +122,19 @@ def difference(result):
     """Mean relative error of length, diameter of the foot and intermediate diameter against the measured ones."""
     found = result["length"], 2.0 * result["foot"], result["waist"]
     return float(np.mean([abs(value / MILLIMETRE / right - 1.0) for value, right in zip(found, EXPERIMENT)]))
+
+
+@measured.recorded
+def shoot(options, name, shot, effects="", cells=6):
+    """Sizes at the end of a measured bar of the preset cu_ofhc, with `ratio`, the final over the initial length."""
+    radius = 0.5 * shot.diameter * MILLIMETRE
+    spacing = radius / cells
+    deck = SHOT.format(radius=radius, spacing=spacing, width=3 * radius, length=shot.length * MILLIMETRE,
+                       height=spacing * round(1.05 * shot.length * MILLIMETRE / spacing), speed=shot.speed,
+                       effects=effects)
+    snaps = [snap for _, snap in case.Case(options, name, deck).run("-q").snapshots()]
+    bar = Bar("", shot.length, 0.5 * shot.diameter)
+    result = measure(bar, snaps[0], snaps[-1])
+    result["ratio"] = result["length"] / measure(bar, snaps[0], snaps[0])["length"]
+    result["error"] = result["ratio"] / shot.ratio - 1.0
+    return result
