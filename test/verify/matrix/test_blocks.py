@@ -9,8 +9,8 @@ doc/guide/choose.md that names a refused combination.
 
 Kinetic plus stored energy is at most the initial energy plus a margin. Velocities are half a step behind stresses: the
 sum of both energies of a mode of angular frequency w differs from its energy by at most w dt/2, pi cfl/(2 n) for a half
-wave of n cells. The velocity fields of particles hold energy that the ledger does not include (doc/theory/transfers.md):
-with second moments of shape functions up to h2/4 at most (k h)2/4 of the kinetic energy, (pi/n)2/4. These are 17 % for
+wave of n cells. The velocity fields of particles hold energy that the ledger does not include (transfers.md): with
+second moments of shape functions up to h2/4 at most (k h)2/4 of the kinetic energy, (pi/n)2/4. These are 17 % for
 the pulled block of six cells and 48 % for the colliding blocks of three. A turning block does not vibrate: 2 %, the
 limit of the energy in trust. An instability exceeds the margins: energies then grow by orders of magnitude.
 
