@@ -83,9 +83,11 @@ def deck(kind, transfer, update, problem, speed=1.0, dimension="plane_strain"):
     bodies = "".join(BLOCK.format(name=name, low=first, high=last, bottom=bottom, top=top,
                                   motion=motion.format(speed=speed, speed2=2.0 * speed))
                      for name, first, last, motion in blocks)
+    if problem != "pull":
+        end /= speed
     # without Poisson's ratio the first longitudinal mode is exact
-    return DECK.format(dimension=dimension, poisson=0 if problem == "pull" else 0.3, method=method, low=low, high=high, end=end / speed if problem != "pull"
-                       else end, words=words, transfer=transfer, update=update, bodies=bodies)
+    return DECK.format(dimension=dimension, poisson=0 if problem == "pull" else 0.3, method=method, low=low, high=high,
+                       end=end, words=words, transfer=transfer, update=update, bodies=bodies)
 
 
 def check_energy(sheet, label, run, problem):
