@@ -115,13 +115,24 @@ SOFT = """&run dimension = 'plane_strain' /
 &body name = 'left'  region = 'left'  material = 'rubber'  velocity = 10 0 0 /
 &body name = 'right'  region = 'right'  material = 'rubber'  velocity = -10 0 0 /
 """
-LOCKED = """&run dimension = 'plane_strain'  method = 'mpm' /
-&grid lo = 0 0 0  hi = 20 1 10  dx = 1 /
-&time t_end = 3 /
-&material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.49 /
-&region name = 'block'  shape = 'box'  lo = 1 0 3  hi = 9 1 7 /
-&body name = 'one'  region = 'block'  material = 'rubber'  velocity = 5 0 0 /
+LOCKED = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 16 1 12  dx = 1 /
+&time t_end = 6 /
+&effects artificial_viscosity = .false. /
+&material name = 'clay'  density = 1000  young = 1e6  poisson = 0.49  strength_model = 'von_mises'  yield = 1e3 /
+&region name = 'soil'  shape = 'box'  lo = 0 0 0  hi = 16 1 8 /
+&region name = 'foot'  shape = 'box'  lo = 6 0 8  hi = 10 1 11 /
+&body name = 'soil'  region = 'soil'  material = 'clay' /
 &boundary face = 'all'  type = 'slip' /
+&boundary region = 'foot'  type = 'stick'  velocity = 0 0 -0.1 /
+"""
+TURNING = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 10 1 10  dx = 1 /
+&time t_end = 2 /
+&method transfer = 'xpic' /
+&material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
+&region name = 'block'  shape = 'box'  lo = 3 0 3  hi = 7 1 7 /
+&body name = 'one'  region = 'block'  material = 'rubber'  spin = 0 1 0 /
 """
 PUSHED = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
@@ -208,6 +219,10 @@ SITUATIONS = {
                               "then": ["scree --check --case=first scene.nml"], "see": ["../guide/running.md"]},
     "C106": {"files": {"scene.nml": BAR}, "commands": ["scree --check --force=yes scene.nml"],
                        "then": ["scree --check --force scene.nml"], "see": ["../guide/running.md"]},
+    "R133": {
+        "files": {"scene.nml": TURNING}, "text": "The complete deck of a rubber block that turns:", "shows": TURNING,
+        "commands": [RUN], "right": "&method transfer = 'rflip' /",
+        "right_files": {"scene.nml": TURNING.replace("'xpic'", "'rflip'")}, "see": ["output.md#trust"]},
     "R132": {
         "text": "The disk is full:",
         "commands": [("TMPDIR=/full scree --self-test -q",
@@ -316,9 +331,9 @@ SITUATIONS = {
         "shows": GAS, "commands": [RUN], "right": "&method normalise = 'gases' /",
         "right_files": {"scene.nml": GAS.replace("'none'", "'gases'")}, "see": ["output.md#trust"]},
     "R116": {
-        "files": {"scene.nml": LOCKED}, "text": "The complete deck of nearly incompressible rubber that hits a wall:",
-        "shows": LOCKED, "commands": [RUN], "right": "poisson = 0.3",
-        "right_files": {"scene.nml": LOCKED.replace("0.49", "0.3")}, "see": ["output.md#trust"]},
+        "files": {"scene.nml": LOCKED}, "text": "The complete deck of a footing on clay:",
+        "shows": LOCKED, "commands": [RUN], "right": "&method antilock = 'bbar' /",
+        "right_files": {"scene.nml": LOCKED + "&method antilock = 'bbar' /\n"}, "see": ["output.md#trust"]},
     "R117": {
         "files": {"scene.nml": SOFT}, "text": "The complete deck of two rubber blocks that collide:", "shows": SOFT,
         "commands": [RUN], "right": "&method stress_update = 'usavg' /",

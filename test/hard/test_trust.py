@@ -188,7 +188,8 @@ def test_rotation(options, sheet):
 
 def test_rotation_is_not_rated(options, sheet):
     """Torques of walls that cancel, and motion that does not turn."""
-    plate = "&region  name='plate'  shape='box'  lo=-0.6,0,-0.6  hi=3,1,-0.2 /\n&boundary  region='plate'  type='stick' /"
+    plate = "&region  name='plate'  shape='box'  lo=-0.6,0,-0.6  hi=3,1,-0.2 /\n" \
+        "&boundary  region='plate'  type='stick' /"
     run = turn(options, "floor", "transfer='xpic'", effects="gravity=.true.  gravity_vector=0,0,-1", x=1.0,
                motion="", more=plate)
     sheet.require(run.summary["trust"]["angular"]["value"] == 0.0, f"floor: not rated: {run.summary['trust']}")
