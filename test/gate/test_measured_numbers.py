@@ -96,6 +96,24 @@ def test_comparison_in_a_run(monkeypatch, tmp_path):
     assert measured.missing({"bar.a"}, "test_bar.py") == [] == measured.missing(set(), "test_other.py")
 
 
+def test_numbers_of_other_pages(monkeypatch, tmp_path):
+    """Numbers that the README of a scene or the study of accuracy owns; of several rows the first with cfl = 0.4."""
+    readme = tmp_path / "input/ball/README.md"
+    readme.parent.mkdir(parents=True)
+    readme.write_text("<!--=hole-->18.5<!--=--> mm, <!--=runs-->2.2, 4.9<!--=-->\n", encoding="utf-8")
+    (tmp_path / "accuracy.csv").write_text("problem,way,cells,ppc,cfl,error\nwaves,ddmp apic,8,2,0.7,9\n"
+                                           "waves,ddmp apic,8,2,0.4,0.1\nwaves,ddmp apic,8,3,0.4,5\n"
+                                           "waves,mpm,8,2,0.4,\n",
+                                           encoding="utf-8")
+    monkeypatch.setattr(document_numbers, "ROOT", tmp_path)
+    monkeypatch.setattr(document_numbers, "ACCURACY", tmp_path / "accuracy.csv")
+    assert document_numbers.scenes() == {"scene.ball.hole": 18.5, "scene.ball.runs.1": 2.2, "scene.ball.runs.2": 4.9}
+    assert document_numbers.errors() == {"accuracy.waves.ddmp_apic.8": 0.1}
+    text = "<!--=scene.ball.runs-->2.2 and 4.9<!--=--> m; <!--=abs:scene.ball.hole-->18<!--=--> %\n"
+    assert [(place.name, place.factor) for place in document_numbers.places_of(PAGE, text)] == [
+        ("scene.ball.runs.1", 1.0), ("scene.ball.runs.2", 1.0), ("scene.ball.hole", 1.0)]
+
+
 def test_known_misses(monkeypatch, tmp_path):
     """Misses that appear, change their target or are met are reported, and the table follows the runs of the tests."""
     known = tmp_path / "known.csv"
