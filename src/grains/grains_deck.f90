@@ -4,7 +4,7 @@ module grains_deck
    use base_constants, only: pi
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use grains_cell, only: cell_t
    use grains_law, only: hertz_law, linear_law
    use grains_packing, only: fill_lattice, fill_random, grain_radii, set_masses
@@ -52,6 +52,9 @@ contains
          default="50", range=">= 10 <= 100000")
       call declare_cell(schema)
       call declare_stages(schema)
+      call schema%forbid_change("grains", "*", "the grains and contacts of the checkpoint were "// &
+         "made with it")
+      call schema%allow_change("grains", "friction restitution", changes_physics)
    end subroutine declare_grains
 
    !> Declare &cell.
@@ -84,6 +87,8 @@ contains
       call schema%real("cell", "skin", &
          "grains: gap up to which neighbours are listed, over the mean diameter", default="0.25", &
          range="> 0 <= 2")
+      call schema%forbid_change("cell", "* + -", "the cell of the checkpoint was made with it")
+      call schema%allow_change("cell", "pressure skin", changes_physics)
    end subroutine declare_cell
 
    !> Keys that a deck for --grains must give.

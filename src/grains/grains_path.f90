@@ -3,7 +3,7 @@
 module grains_path
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_end, changes_physics, schema_t
    use grains_cell, only: cell_t
    use mesh_drive, only: drive_t, read_drive, stage_duration
    implicit none
@@ -74,6 +74,9 @@ contains
          range=">= 0 <= 1000000")
       call schema%logical("stage", "probe", &
          "grains: measure the elastic moduli at the end by small strains", default=".false.")
+      call schema%allow_change("stage", "*", changes_physics)
+      call schema%allow_change("stage", "+", changes_end)
+      call schema%forbid_change("stage", "-", "the checkpoint counts the stages")
    end subroutine declare_stages
 
    !> Check that each stage has an end and that its fixed quantities are defined.

@@ -117,6 +117,7 @@ contains
          run%place%version = version_text
          run%place%deck = header%deck
          run%place%echo = header%echo
+         run%place%schema = setup%schema
          group = setup%deck%group("checkpoint")
          call group%get("keep", run%place%keep)
       end associate

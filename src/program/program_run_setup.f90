@@ -113,6 +113,7 @@ contains
       call read_limits(setup%deck, setup%limits)
       call describe_simulation(setup%deck, setup%simulation, setup%bodies, setup%deck_text, &
          setup%command%output%folder, setup%outputs, setup%place)
+      setup%place%schema = setup%schema
       call setup%outputs%plan(setup%deck, setup%simulation, setup%shapes, setup%limits%time_end)
       call setup%deck%verdict(error)
       if (allocated(error)) return

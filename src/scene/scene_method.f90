@@ -2,7 +2,7 @@
 !> The group &method: its keys and the method that they select.
 module scene_method
    use base_deck, only: deck_t, group_t
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use base_text, only: brief
    use ddmp_alpha, only: alpha_names
    use ddmp_catalogue, only: quadrature_names
@@ -76,6 +76,10 @@ contains
       call schema%integer("method", "split_max", &
          "greatest number of times that a particle and its parts are halved", default="10", &
          range="> 0 <= 20", owner="split")
+      call schema%allow_change("method", "# transfer order_k alpha blend free_surface normalise "// &
+         "turn_from antilock viscosity_limiter split split_what split_max", changes_physics)
+      call schema%forbid_change("method", "basis paper quadrature stress_update", &
+         "the fields and velocities of the checkpoint belong to this scheme")
    end subroutine declare_method
 
    !> Declare the keys of the strain update and of the rotation of particles.

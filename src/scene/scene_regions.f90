@@ -4,7 +4,7 @@ module scene_regions
    use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_nothing, changes_physics, schema_t
    use base_text, only: text_t
    use mesh_grid, only: grid_t
    use particle_shape, only: box, combine, cylinder, rotation_matrix, set_difference, &
@@ -96,6 +96,12 @@ contains
       call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
          "normal polygon file height of")
       call schema%refer("region", "of", "region")
+      call schema%forbid_change("region", "*", "bodies were filled and walls are placed by it; "// &
+         "add a region of another name")
+      ! a region has an effect only through the group that names it
+      call schema%allow_change("region", "+ -", changes_nothing)
+      ! contents of files are not compared, only paths
+      call schema%allow_change("region", "file", changes_physics)
    end subroutine declare_region
 
    !> All regions.
