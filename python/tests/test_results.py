@@ -136,7 +136,7 @@ def test_gauge_before_history(tmp_path: Path) -> None:
     assert found.history["kinetic"].iloc[-1] == pytest.approx(0.5 * 600)
     assert "velocity_x" in found.tables["gauge"] and "velocity_x" not in found.history
     text = found.path(".summary.json").read_text(encoding="utf-8")
-    older = text.replace('"gauge_1"', '"history_1"').replace('"history_1": "order_history', '"history_2": "order_history')
+    older = text.replace('"history_1"', '"history_2"').replace('"gauge_1"', '"history_1"')
     assert older != text
     found.path(".summary.json").write_text(older, encoding="utf-8")
     assert "kinetic" in scree.open(tmp_path / "both").history

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Units of decks and outputs: after a number, such as km/s, g/cm3 or J/(kg K), and systems of units.
+!> Units of decks and outputs: after a number, such as km/s or J/(kg K), and systems of units.
 !!
 !! Prefixes, most units and all systems differ from SI by powers of ten, so a conversion shifts the
 !! decimal exponent of the written number before it is read: 2.79 g/cm3 and 2790 kg/m3 become the
@@ -7,13 +7,13 @@
 module base_units
    use base_constants, only: pi
    use base_decimal, only: decimal_none, read_decimal
-   use base_kinds, only: wp
+   use base_kinds, only: int32, wp
    use base_text, only: append, closest, is_letter, text_t
    implicit none
    private
 
-   public :: begins_unit, output_units_t, read_unit, split_unit, system_number, unit_list, unit_of, &
-      unit_t, written_unit_t
+   public :: begins_unit, dimension_of, output_units_t, read_unit, split_unit, system_number, &
+      unit_list, unit_of, unit_t, written_unit_t
 
    !> The systems by name.
    character(len=8), parameter, public :: system_names(6) = [character(len=8) :: "si", "cgs", &
@@ -112,6 +112,19 @@ contains
       known = written%fault == "" .and. nint(written%exponent) == 0
       if (known) unit%power = written%power
    end subroutine unit_of
+
+   !> Powers of length, mass, time, current, temperature, amount and light in a unit of SI, as files
+   !! store them.
+   pure function dimension_of(text) result(powers)
+      character(len=*), intent(in) :: text               !! Unit of SI
+      integer(int32) :: powers(7)
+      type(unit_t) :: unit
+      logical :: known
+
+      call unit_of(text, unit, known)
+      powers = 0
+      powers([1, 3, 2, 5]) = nint(unit%power, int32)
+   end function dimension_of
 
    !> True for the first letters of a unit: a letter, the micro sign, or 1 and a slash.
    pure logical function begins_unit(text) result(yes)

@@ -4,12 +4,13 @@ module grains_path
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use base_schema, only: changes_end, changes_physics, schema_t
+   use base_text, only: brief
    use grains_cell, only: cell_t
    use mesh_drive, only: drive_t, read_drive, stage_duration
    implicit none
    private
 
-   public :: check_stages, declare_stages, path_t, read_stages, stage_t
+   public :: check_lengths, check_stages, declare_stages, path_t, read_stages, stage_t
 
    !> One stage.
    type :: stage_t
@@ -110,6 +111,29 @@ contains
             "discs have no direction z: use 'isotropic', 'x', 'y' or 'xy'", "servo")
       end do
    end subroutine check_stages
+
+   !> Refuse stages of more time steps than integers count.
+   subroutine check_lengths(deck, path, dt)
+      type(deck_t), intent(inout) :: deck
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(group_t) :: group
+      real(wp) :: most, steps
+      integer :: n
+
+      do n = 1, size(path%stages)
+         associate (stage => path%stages(n))
+            ! rows are spaced by products of steps and rows
+            most = real(huge(1_int64), wp)/(2.0_wp*real(max(stage%rows, stage%snapshots, 1), wp))
+            steps = stage%duration/dt
+         end associate
+         if (steps <= most) cycle
+         group = deck%group("stage", n)
+         call deck%add_error(group, "the stage would take "//brief(steps)//" time steps of "// &
+            deck%shown(dt, "s")//"; at most "//brief(most)//" can be counted: shorten it", &
+            trim(merge("duration", "strain  ", group%given("duration"))))
+      end do
+   end subroutine check_lengths
 
    !> Read the stages.
    subroutine read_stages(deck, cell, friction, path)

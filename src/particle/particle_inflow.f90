@@ -4,7 +4,8 @@
 !! Equations (O.6) and (O.7) of doc/theory/instruments.md.
 !!
 !! The entered material follows from the time alone. A checkpoint stores the displacement, so that a
-!! restart with another velocity continues from it. A rank holds the particles of the tiles that it has counted; those that enter are sent to the
+!! restart with another velocity continues from it. A rank
+!! holds the particles of the tiles that it has counted; those that enter are sent to the
 !! owners of their tiles.
 module particle_inflow
    use base_kinds, only: int64, wp

@@ -375,7 +375,8 @@ contains
       !> Limit of the step, empty for the wave speed
       character(len=:), allocatable, intent(out) :: cause
 
-      call find_first_stable_step(simulation, bodies, simulation%scheme%method%cfl, dt, cause)
+      call find_first_stable_step(simulation, bodies, simulation%scheme%method%cfl, &
+         simulation%clock%guard%bounds%strain_max, dt, cause)
       if (limits%dt_fixed > 0.0_wp) then
          dt = limits%dt_fixed
          cause = " (dt_fixed)"
@@ -385,10 +386,11 @@ contains
 
    !> Stable time step of the first state, as `first_step` of scene_particles finds it from the
    !! particles.
-   pure subroutine find_first_stable_step(simulation, bodies, courant, dt, cause)
+   pure subroutine find_first_stable_step(simulation, bodies, courant, strain, dt, cause)
       type(simulation_t), intent(in) :: simulation   !! Without particles
       type(body_t), intent(in) :: bodies(:)
       real(wp), intent(in) :: courant                !! Courant number
+      real(wp), intent(in) :: strain                 !! Greatest strain of a cell in a step [1]
       real(wp), intent(out) :: dt                    !! [s]
       !> Limit of the step, empty for the wave speed
       character(len=:), allocatable, intent(out) :: cause
@@ -426,7 +428,7 @@ contains
       cell%speed = greatest
       cell%mass = densest*cell%box%volume()
       stable = dt
-      call cell%begin(simulation%clock%guard%bounds%strain_max, dt)
+      call cell%begin(strain, dt)
       if (dt < stable) cause = " (strain of the cell)"
    end subroutine find_first_stable_step
 end module program_expected_steps

@@ -69,8 +69,8 @@ contains
       call schema%require("boundary", "type")
       call schema%refer("boundary", "region", "region")
       call schema%allow_change("boundary", "* + -", changes_physics)
-      call schema%forbid_change("boundary", "region type velocity table t_on", "the position of "// &
-         "a rigid region follows from its motion since the start", without="face")
+      call schema%forbid_change("boundary", "region type velocity table t_on", "the position "// &
+         "of a rigid region follows from its motion since the start", without="face")
    end subroutine declare_boundary
 
    !> All boundaries.

@@ -42,8 +42,8 @@ contains
          owner="effects.contact & law = bonded")
       call schema%refer("contact", "bodies", "body")
       call schema%allow_change("contact", "#", changes_physics)
-      call schema%forbid_change("contact", "bodies law + -", "the bonds of the particles of the "// &
-         "checkpoint belong to this law and pair")
+      call schema%forbid_change("contact", "bodies law + -", "the bonds of the particles of "// &
+         "the checkpoint belong to this law and pair")
    end subroutine declare_contact
 
    !> Assign velocity fields to the bodies and stores to the fields, if contact is on.

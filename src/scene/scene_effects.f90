@@ -144,8 +144,8 @@ contains
       end do
    end function effects_on
 
-   !> Is a key of &effects an effect that is on? Switches are effects, and so are numbers that do not
-   !! belong to a switch, unless they are 0.
+   !> Is a key of &effects an effect that is on? Switches are effects, and so are numbers that do
+   !! not belong to a switch, unless they are 0.
    logical function is_on(key, group) result(on)
       type(key_t), intent(in) :: key                 !! Applies in this deck
       type(group_t), intent(in) :: group             !! &effects

@@ -49,8 +49,8 @@ contains
       call schema%require("inflow", "body velocity")
       call schema%refer("inflow", "body", "body")
       call schema%allow_change("inflow", "# table", changes_physics)
-      call schema%forbid_change("inflow", "body + -", "an inflow repeats the first particles of "// &
-         "its body")
+      call schema%forbid_change("inflow", "body + -", "an inflow repeats the first "// &
+         "particles of its body")
    end subroutine declare_inflow
 
    !> Read the inflows, set the velocities of their bodies, and prescribe those of the nodes around

@@ -38,8 +38,8 @@ contains
          "supports decks up to deck_version "//number(deck_version)//"; use a later scree "// &
          "for this deck")
       call schema%allow_change("run", "title case deck_version", changes_nothing)
-      call schema%forbid_change("run", "dimension method", "the particles of the checkpoint have "// &
-         "the fields of this choice")
+      call schema%forbid_change("run", "dimension method", "the particles of the checkpoint "// &
+         "have the fields of this choice")
    end subroutine declare_run
 
    !> Declare &units.

@@ -130,6 +130,7 @@ contains
       call group%get("dt_min", number)
       if (number > unset) bounds%dt_min = number
       call group%get("dt_fixed", number)
+      if (number > unset) bounds%dt_fixed = number
       call group%get("retry", bounds%dt_free)
       if (number > unset) bounds%dt_free = .false.
       call group%get("on_bad", word)

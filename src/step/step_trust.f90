@@ -303,7 +303,9 @@ contains
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_speed, &
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
-               "try a smaller cfl or more particles per cell (ppc)")
+               "try a smaller "//trim(merge("dt_fixed", "cfl     ", &
+               simulation%clock%guard%bounds%dt_fixed > 0.0_wp))// &
+               " or more particles per cell (ppc)")
          end if
          if (.not. warns(trust, trust_heat, trust_bad)) return
          if (trust%worst(trust_heat) > 0.0_wp) then
