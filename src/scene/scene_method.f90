@@ -77,7 +77,8 @@ contains
          "greatest number of times that a particle and its parts are halved", default="10", &
          range="> 0 <= 20", owner="split")
       call schema%allow_change("method", "# transfer order_k alpha blend free_surface "// &
-         "normalise turn_from antilock viscosity_limiter split split_what split_max", changes_physics)
+         "normalise turn_from antilock viscosity_limiter split split_what split_max", &
+         changes_physics)
       call schema%forbid_change("method", "basis paper quadrature stress_update", &
          "the fields and velocities of the checkpoint belong to this scheme")
    end subroutine declare_method

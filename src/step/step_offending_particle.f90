@@ -11,8 +11,8 @@ module step_offending_particle
    implicit none
    private
 
-   public :: name_offending_particle, name_limiting, name_particle, replay_text, spread, &
-      step_text, tile_bounds
+   public :: fixed_step_text, name_offending_particle, name_limiting, name_particle, replay_text, &
+      spread, step_text, tile_bounds
 
    !> A particle of this rank, or none.
    type :: found_t

@@ -18,7 +18,7 @@ module step_trust
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_sample_t
    use step_ledger, only: balance_t, external_work, internal, mass, retired_mass
    use step_method, only: method_t
-   use step_offending_particle, only: name_particle, step_text
+   use step_offending_particle, only: fixed_step_text, name_particle, step_text
    use step_simulation, only: conservation_t, machine_t, scheme_t, simulation_t
    use io_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, &
       trust_momentum, trust_noise, trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, &
@@ -480,7 +480,8 @@ contains
          write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", sample%energy, &
             " J, more than the energy of the whole run,", available, " J"
       end associate
-      call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))
+      call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text)// &
+         fixed_step_text(simulation))
    end subroutine refuse_impossible
    !> True if a material has a temperature and no internal energy, while others have one. Heat that
    !! is conducted between them is not in the energy balance.

@@ -22,7 +22,8 @@ DECK = """&run  dimension='plane_strain' /
 &output  name='h'  kind='history'  every=1 /
 &checkpoint  at_end=.false. /
 """
-USUAL = {"material": "density=2000  bulk=1e7  shear=5e6", "low": "0.2,0,0.2", "high": "0.8,1,0.8", "body": "", "more": ""}
+USUAL = {"material": "density=2000  bulk=1e7  shear=5e6", "low": "0.2,0,0.2", "high": "0.8,1,0.8", "body": "",
+         "more": ""}
 PERIODIC = {"low": "0,0,0", "high": "1,1,1", "more": "&boundary  face='all'  type='periodic' /\n"}
 SCENES = {
     "still": {},
@@ -34,7 +35,8 @@ SCENES = {
                    "more": "&effects  thermal=.true. /\n"},
     "contact": {"body": "velocity=5,0,0", "more": "&effects  contact=.true. /\n&region  name='q'  shape='box'  lo=0,0,0"
                 "  hi=1,1,0.2 /\n&body  name='floor'  region='q'  material='m' /\n&contact  friction=0.3 /\n"},
-    "granular": {"material": "density=2000  bulk=1e7  shear=5e6  strength_model='granular'  gr_tau=1e-3  gr_gamma_c=1e-2"},
+    "granular": {"material": "density=2000  bulk=1e7  shear=5e6  strength_model='granular'  gr_tau=1e-3  "
+                 "gr_gamma_c=1e-2"},
     "gas": {"material": "density=1  elastic='none'  eos_model='ideal_gas'  ig_gamma=1.4",
             "body": "specific_energy=2e5"},
 }

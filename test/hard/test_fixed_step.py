@@ -55,8 +55,8 @@ def test_limit(options, sheet, method, refused, accepted):
     run = case.Case(options, f"{method}_above", deck(method, refused))
     for words in (("--check",), ("-q",)):
         run.run(*words, expect=2)
-        found = re.search(rf"{run.deck.name}:3: error: &time: dt_fixed is above the stability limit of the first state,"
-                          r" (\S+); write dt_fixed = (\S+) or less", run.output.replace("\n", " ").replace("  ", " "))
+        found = re.search(rf"{run.deck.name}:3: error: &time: dt_fixed is above the stability limit of the first "
+                          r"state, (\S+); write dt_fixed = (\S+) or less", run.output.replace("\n", " ").replace("  ", " "))
         sheet.require(found is not None and "[D231]" in run.output, f"{method}: refused: {run.output}")
     limit, instead = (float(word.rstrip(";")) for word in found.groups())
     sheet.near(f"{method}: limit over h/c", limit / CROSSING, 0.96 if method == "ddmp" else 1.0, 1e-3)
@@ -70,8 +70,8 @@ def test_limit(options, sheet, method, refused, accepted):
 def test_close(options, sheet):
     """Between the greatest step that is stable with all options and the limit there is a warning."""
     run = case.Case(options, "close", deck("ddmp", 0.9)).run("--check")
-    sheet.require("warning: &time: dt_fixed is 0.9375 times the stability limit" in run.output and "[D232]" in run.output,
-                  f"warned: {run.output}")
+    said = "warning: &time: dt_fixed is 0.9375 times the stability limit"
+    sheet.require(said in run.output and "[D232]" in run.output, f"warned: {run.output}")
 
 
 def test_unstable(options, sheet):
@@ -87,6 +87,6 @@ def test_later(options, sheet):
     first = 0.05 / (3000 + np.sqrt(1.4 * 0.4 * 2e5))
     run = case.Case(options, "later", SHOCK.format(step=repr(0.9 * first))).run(expect=4)
     text = " ".join(run.output.split())
-    sheet.require(re.search(r"dt_fixed = +\S+ s is +\S+ times the stable step before, +\S+ s with cfl = 0\.40; write that "
-                            "or less, or remove dt_fixed", text) is not None, f"named: {text}")
+    said = r"dt_fixed = +\S+ s is +\S+ times the stable step before, +\S+ s with cfl = 0\.40; write that or less, or "
+    sheet.require(re.search(said + "remove dt_fixed", text) is not None, f"named: {text}")
     sheet.require("smaller cfl" not in text, f"no cfl: {text}")

@@ -39,8 +39,8 @@ CASES = (  # effects, metal, water, lines
       "           metal: strength_model neo_hookean, eos_model linear (default)"]),
     (ALL, METAL, "elastic='none' specific_heat=4000 eos_model='tait' tait_n=7 t_melt=373",
      ["effects    by the deck: gravity, damping, contact, erosion, damage, size_scatter, voids, thermal, melting; by "
-      "default: strength, eos, artificial_viscosity, rate", "           metal: strength_model von_mises, eos_model linear "
-      "(default), damage_model principal_stress, conductivity on", "eos_model tait"]),
+      "default: strength, eos, artificial_viscosity, rate", "           metal: strength_model von_mises, eos_model "
+      "linear (default), damage_model principal_stress, conductivity on", "eos_model tait"]),
 )
 
 
