@@ -85,14 +85,7 @@ contains
          owner="shape = cylinder cone")
       call schema%text("region", "of(:8)", &
          "regions of the set operation; difference: the first without the others", owner=sets)
-      call schema%real("region", "scale", "scale factor, applied first", default="1.0", range="> 0")
-      call schema%real("region", "rotate(3)", &
-         "rotation angles about x, then y, then z, applied second", unit="deg", default="0 0 0")
-      call schema%text("region", "rotate_about", &
-         "centre of the rotation: the origin, or the centre of the bounding box of the shape", &
-         default="origin", words="origin centre")
-      call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
-         default="0 0 0")
+      call declare_placing(schema)
       call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
          "normal polygon file height of")
       call schema%refer("region", "of", "region")
@@ -103,6 +96,20 @@ contains
       ! contents of files are not compared, only paths
       call schema%allow_change("region", "file", changes_physics)
    end subroutine declare_region
+
+   !> Declare how the shape of a region is placed.
+   subroutine declare_placing(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%real("region", "scale", "scale factor, applied first", default="1.0", range="> 0")
+      call schema%real("region", "rotate(3)", &
+         "rotation angles about x, then y, then z, applied second", unit="deg", default="0 0 0")
+      call schema%text("region", "rotate_about", &
+         "centre of the rotation: the origin, or the centre of the bounding box of the shape", &
+         default="origin", words="origin centre")
+      call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
+         default="0 0 0")
+   end subroutine declare_placing
 
    !> All regions.
    subroutine check_regions(deck)

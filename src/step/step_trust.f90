@@ -475,8 +475,7 @@ contains
          available = start%total - min(0.0_wp, trust%least_energy)*start%entry(mass) + trust%work
          if (.not. available > 0.0_wp .or. sample%energy <= margin*available) return
          call name_particle(simulation, find_greatest(simulation%materials, simulation%stores, &
-            simulation%machine, measure_energy, &
-            trust%least_energy), who)
+            simulation%machine, measure_energy, trust%least_energy), who)
          write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", sample%energy, &
             " J, more than the energy of the whole run,", available, " J"
       end associate
