@@ -29,7 +29,7 @@ SCENES = {
     "still": {},
     "moving": {"body": "velocity=30,0,-40"},
     "tilted": {**PERIODIC, "more": PERIODIC["more"] + "&cell  tilt=0.4 /\n&stage  rate=0,0,0,0,1,0  strain=0.1 /\n"},
-    "sheared": {**PERIODIC, "more": PERIODIC["more"] + "&cell /\n&stage  rate=0,0,0,0,900,0  strain=0.1 /\n"},
+    "sheared": {**PERIODIC, "more": PERIODIC["more"] + "&cell /\n&stage  rate=0,0,0,0,900,0  strain=1 /\n"},
     "fluid": {"material": "density=1000  bulk=1e7  strength_model='newtonian'  viscosity=2e4"},
     "conduction": {"material": "density=2000  bulk=1e7  shear=5e6  specific_heat=100  conductivity=1e6",
                    "more": "&effects  thermal=.true. /\n"},

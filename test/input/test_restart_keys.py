@@ -91,9 +91,9 @@ def test_every_key(options, sheet):
     groups = re.findall(r"^(?:! )?&(\w+)", program(options, "--template"), re.M)
     seen, bare, frozen = 0, [], []
     for group in groups:
-        said = program(options, "--explain", group)
-        # a key with the name of a group is explained before it
-        for name in re.findall(r"^ {3}(\w+) ", said[re.search(rf"^&{group} ", said, re.M).end():], re.M):
+        # keys with the name of a group are explained before and after it
+        said = re.search(rf"^&{group} .*\n((?: .*\n?)*)", program(options, "--explain", group), re.M)
+        for name in re.findall(r"^ {3}(\w+) ", said.group(1), re.M):
             seen += 1
             key = f"{group}.{name}"
             text = program(options, "--explain", key)

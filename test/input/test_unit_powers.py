@@ -17,7 +17,8 @@ DECK = """
 &grid  lo=0,0,0  hi=4,4,4  dx=1 /
 &time  t_end=1  max_steps=1 /
 &effects  damage=.true.  thermal=.true.  size_scatter=.true. /
-&material  name='m'  density=1000  young=1e7  poisson=0.3  strength_model='von_mises'  yield=1e5  specific_heat=500
+&material  name='m'  density=1000  shear=5e6  eos_model='mie_gruneisen'  mg_c0=100  mg_s=1.4  mg_gamma=2
+  strength_model='von_mises'  yield=1e5  specific_heat=500
   damage_model='principal_stress'  failure_stress=1e5  weibull_m=7  weibull_volume=1 /
 &region  name='r'  shape='box'  lo=1,1,1  hi=3,3,3 /
 &body  name='b'  region='r'  material='m'  velocity=1,0,0 /
