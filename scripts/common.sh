@@ -76,6 +76,10 @@ link_packages() {
    if compgen -G "${root}/build/venv/lib/python3*/site-packages/scree_post-*" > /dev/null; then
       "${python}" -m pip uninstall --quiet --yes scree-post || return 1
    fi
+   # and the distribution of the folder python was called scree
+   if compgen -G "${root}/build/venv/lib/python3*/site-packages/scree-*.dist-info" > /dev/null; then
+      "${python}" -m pip uninstall --quiet --yes scree || return 1
+   fi
    "${python}" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
       --editable "${root}/python"
 }

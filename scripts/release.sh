@@ -5,7 +5,7 @@
 # Makes the files of a release from the commit that is checked out, without changes:
 #
 #   scree-VERSION.tar.gz              the sources
-#   scree-VERSION-py3-none-any.whl    the Python package
+#   scree_mpm-VERSION-py3-none-any.whl  the Python package
 #   scree_VERSION-1_ARCHITECTURE.deb  the program for Debian 12 (not with --no-deb)
 #   scree-manual-VERSION.tar.gz       the manual as a site (not with --no-site)
 #   recipes/                          for Spack, conda, container images

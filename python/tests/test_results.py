@@ -114,3 +114,33 @@ def test_half_line(run: scree.Run, tmp_path: Path) -> None:
     table = scree.read_table(path)
     assert len(table) == len(run.history) - 1
     assert np.array_equal(table["kinetic"], run.history["kinetic"][:-1])
+
+
+GAUGE_FIRST = """
+&run  case = 'order'  dimension = '1d' /
+&grid  lo = 0, 0, 0  hi = 1, 1, 1  dx = 0.1 /
+&time  t_end = 1e-3 /
+&material  name = 'm'  density = 1000  young = 1e6  poisson = 0 /
+&region  name = 'r'  shape = 'box'  lo = 0.2, 0, 0  hi = 0.8, 1, 1 /
+&body  name = 'b'  region = 'r'  material = 'm'  velocity = 1, 0, 0 /
+&output  name = 'g'  kind = 'gauge'  gauge = 'mean'  bodies = 'b'  every = 1  fields = 'velocity' /
+"""
+HISTORY = "&output  name = 'h'  kind = 'history'  every = 1 /\n"
+
+
+def test_gauge_before_history(tmp_path: Path) -> None:
+    """Would catch a history that is chosen by the order of the tables in the deck: the gauge in its place, or in place
+    of the error that a run has none. Summaries of older versions name all tables history_N."""
+    found = scree.run(GAUGE_FIRST + HISTORY, outdir=tmp_path / "both", progress=False)
+    assert found.summary["files"] == {"gauge_1": "order_gauge.csv", "history_1": "order_history.csv"}
+    assert found.history["kinetic"].iloc[-1] == pytest.approx(0.5 * 600)
+    assert "velocity_x" in found.tables["gauge"] and "velocity_x" not in found.history
+    text = found.path(".summary.json").read_text(encoding="utf-8")
+    older = text.replace('"history_1"', '"history_2"').replace('"gauge_1"', '"history_1"')
+    assert older != text
+    found.path(".summary.json").write_text(older, encoding="utf-8")
+    assert "kinetic" in scree.open(tmp_path / "both").history
+    alone = scree.run(GAUGE_FIRST, outdir=tmp_path / "alone", progress=False)
+    assert alone.history_name is None
+    with pytest.raises(scree.FileProblem, match=r"no history of 'order'; its tables are: gauge; add &output kind"):
+        _ = alone.history

@@ -173,6 +173,7 @@ LAST = ["scree -q first.nml --outdir first", "cp first/first_p_000001.hdf first.
 SNAPSHOT = ["scree -q first.nml --outdir first", "cp first/first_p_000000.hdf first.hdf"]
 CHECK = "scree --check scene.nml"
 RUN = "scree -q scene.nml"
+FORCED = "scree -q --force scene.nml"                 # a fixed step above the stability limit
 AGAIN = "scree -q --restart scene.nml"
 OTHER_DECK = "../guide/running.md#a-restart-with-another-deck"
 
@@ -269,7 +270,7 @@ SITUATIONS = {
     "R102": {
         "files": {"scene.nml": BLOCK},
         "text": "The complete deck; the time step is ten times the stable one:", "shows": BLOCK,
-        "commands": [RUN], "right": FREE,
+        "commands": [FORCED], "right": FREE,
         "right_files": {"scene.nml": BLOCK.replace("  dt_fixed = 0.08", "")}},
     "R103": {
         "files": {"scene.nml": MEET}, "text": "The complete deck:", "shows": MEET, "commands": [RUN],
@@ -277,13 +278,13 @@ SITUATIONS = {
         "right_files": {"scene.nml": MEET.replace("  cfl = 0.9  dt_min = 2e-3", "")}},
     "R104": {
         "files": {"scene.nml": CUBE}, "text": "The complete deck; the modulus is mistyped, and `dt_fixed` and "
-        "`dt_collapse = 0` prevent an earlier end because of the time step:", "shows": CUBE, "commands": [RUN],
+        "`dt_collapse = 0` prevent an earlier end because of the time step:", "shows": CUBE, "commands": [FORCED],
         "right": "&time t_end = 10 /", "traps": True,
         "right_files": {"scene.nml": CUBE.replace("10  dt_fixed = 0.08  dt_collapse = 0", "0.5").replace(
             "1e60", "1e6")}},
     "R105": {
         "files": {"scene.nml": INSIDE_OUT}, "text": "The complete deck; the time step is far too long, and "
-        "two limits that would end the run earlier are switched off:", "shows": INSIDE_OUT, "commands": [RUN],
+        "two limits that would end the run earlier are switched off:", "shows": INSIDE_OUT, "commands": [FORCED],
         "right": FREE,
         "right_files": {"scene.nml": INSIDE_OUT.replace(
             "  dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0", "")}},
@@ -310,16 +311,16 @@ SITUATIONS = {
     "R111": {
         "files": {"scene.nml": FAST},
         "text": "The complete deck; the time step is slightly longer than the stable one:",
-        "shows": FAST, "commands": [RUN], "right": FREE,
+        "shows": FAST, "commands": [FORCED], "right": FREE,
         "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.04  dt_collapse = 0", "")}},
     "R112": {
-        "files": {"scene.nml": FAST}, "text": "The deck of R111:", "shows": FAST.split("\n")[2], "commands": [RUN],
+        "files": {"scene.nml": FAST}, "text": "The deck of R111:", "shows": FAST.split("\n")[2], "commands": [FORCED],
         "right": FREE,
         "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.04  dt_collapse = 0", "")},
         "see": ["output.md#trust"]},
     "R113": {
         "files": {"scene.nml": JET}, "text": "The complete deck of a gas with too long a time step:", "shows": JET,
-        "commands": [RUN], "right": JET.split("\n")[2].replace("  dt_fixed = 0.015  dt_collapse = 0", ""),
+        "commands": [FORCED], "right": JET.split("\n")[2].replace("  dt_fixed = 0.015  dt_collapse = 0", ""),
         "right_files": {"scene.nml": JET.replace("  dt_fixed = 0.015  dt_collapse = 0", "")},
         "see": ["output.md#trust"]},
     "R114": {

@@ -10,8 +10,7 @@ module base_deck_define
    use base_kinds, only: wp
    use base_namelist, only: as_written, block_t, namelist_t, piece_t, token_t
    use base_text, only: append, closest, lower, number, text_t
-   use base_unit_words, only: read_unit, split_unit, written_unit_t
-   use base_units, only: unit_t
+   use base_units, only: read_unit, split_unit, unit_t, written_unit_t
    implicit none
    private
 

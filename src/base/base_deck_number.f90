@@ -6,7 +6,7 @@ module base_deck_number
    use base_kinds, only: int64, wp
    use base_schema, only: key_t, kind_integer, kind_logical, kind_real
    use base_text, only: join, number, split, text_t
-   use base_unit_words, only: read_unit, written_unit_t
+   use base_units, only: read_unit, written_unit_t
    implicit none
    private
 

@@ -7,8 +7,7 @@ module base_deck_value
    use base_place_formula, only: convert_formula
    use base_schema, only: key_t, kind_integer, kind_logical, kind_real, kind_text
    use base_text, only: closest, closest_meaning, join, lower, number, split, text_t
-   use base_unit_words, only: begins_unit, split_unit
-   use base_units, only: system_si
+   use base_units, only: begins_unit, split_unit, system_si
    implicit none
    private
 

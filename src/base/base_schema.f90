@@ -4,36 +4,21 @@
 !! Each part of the program declares its own keys. Reading, checking, the echo, the template and the
 !! explanations all walk this one table.
 module base_schema
-   use base_kinds, only: wp
+   use base_key_rules, only: change_rule_t, changes_end, changes_extent, changes_nothing, &
+      changes_physics, condition_t, may_not_change, range_t, read_conditions, read_range
    use base_preset, only: preset_t, read_presets
    use base_text, only: append, split, text_t
    use base_units, only: unit_of, unit_t
    implicit none
    private
 
-   public :: condition_t, group_rule_t, key_t, schema_t
+   public :: changes_end, changes_extent, changes_nothing, changes_physics, condition_t, &
+      group_rule_t, key_t, schema_t
 
    integer, parameter, public :: kind_real = 1           !! Numbers
    integer, parameter, public :: kind_integer = 2        !! Integers
    integer, parameter, public :: kind_logical = 3        !! .true. or .false.
    integer, parameter, public :: kind_text = 4           !! Texts in quotes
-
-   !> Condition on another key under which a key is accepted.
-   type :: condition_t
-      character(len=:), allocatable :: group             !! Group of the other key
-      character(len=:), allocatable :: key               !! The other key
-      type(text_t), allocatable :: words(:)              !! Accepted values; empty: .true.
-   end type condition_t
-
-   !> Range of the numbers that a key allows.
-   type :: range_t
-      character(len=:), allocatable :: text              !! As declared, such as > 0 < 1
-      real(wp) :: least = -huge(1.0_wp)                  !! Lower bound [SI]
-      real(wp) :: most = huge(1.0_wp)                    !! Upper bound [SI]
-      logical :: least_open = .false.                    !! The lower bound itself is out of range
-      logical :: most_open = .false.                     !! The upper bound itself is out of range
-      character(len=:), allocatable :: hint              !! Reason for the range, or empty
-   end type range_t
 
    !> One key.
    type :: key_t
@@ -60,6 +45,7 @@ module base_schema
       character(len=:), allocatable :: doc               !! Meaning
       logical :: many = .false.                          !! May be given more than once
       type(key_t), allocatable :: keys(:)                !! In the order of the echo
+      type(change_rule_t), allocatable :: changes(:)     !! What a restart may change
    contains
       procedure :: find => group_rule_find               !! Index of a key
       procedure :: names => group_rule_names             !! Names of all keys
@@ -82,6 +68,8 @@ module base_schema
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
       procedure :: explain_range => schema_explain_range !! Reason for the range
       procedure :: preset => schema_preset               !! Declare presets of a group
+      procedure :: allow_change => schema_allow_change   !! A restart may change keys
+      procedure :: forbid_change => schema_forbid_change !! A restart must not change keys
       procedure :: find => schema_find                   !! Index of a group
       procedure :: names => schema_names                 !! Names of all groups
       procedure, private :: add => schema_add            !! Append a key
@@ -107,7 +95,7 @@ contains
       longer(known + 1)%name = name
       longer(known + 1)%doc = doc
       if (present(many)) longer(known + 1)%many = many
-      allocate (longer(known + 1)%keys(0))
+      allocate (longer(known + 1)%keys(0), longer(known + 1)%changes(0))
       call move_alloc(longer, self%groups)
    end subroutine schema_group
 
@@ -198,6 +186,7 @@ contains
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t), allocatable :: longer(:)
       integer :: place
+      logical :: known
 
       key%group = group
       key%doc = doc
@@ -208,9 +197,12 @@ contains
       if (.not. allocated(key%words)) allocate (key%words(0))
       if (present(default)) key%default = default
       call set_name(self, key, name)
-      if (present(range)) call set_range(self, key, range)
+      if (present(range)) then
+         call read_range(range, key%range, known)
+         if (.not. known) call record_mistake(self, "range of "//key%name)
+      end if
       allocate (key%owners(0))
-      if (present(owner)) call set_owners(key, owner)
+      if (present(owner)) call read_conditions(owner, group, key%owners)
       place = self%find(group)
       if (place == 0) then
          call record_mistake(self, "group of "//group//"."//key%name)
@@ -241,63 +233,6 @@ contains
       read (name(bracket + 1:len(name) - 1), *, iostat=status) key%number_of_values
       if (status /= 0) call record_mistake(self, "number of values of "//name)
    end subroutine set_name
-
-   !> Parse a range such as >= 0 < 1.
-   subroutine set_range(self, key, range)
-      class(schema_t), intent(inout) :: self
-      type(key_t), intent(inout) :: key                  !! Gets the bounds
-      character(len=*), intent(in) :: range              !! One or two signs with a number
-      integer :: at, i, last, status
-      real(wp) :: bound
-      logical :: closed
-
-      key%range%text = range
-      at = 1
-      do i = 1, 2
-         at = at + verify(range(at:)//"x", " ") - 1
-         if (at >= len(range)) exit
-         closed = range(at + 1:at + 1) == "="
-         last = at + scan(range(at + 1:)//"<", "<>") - 1
-         read (range(at + merge(2, 1, closed):last), *, iostat=status) bound
-         if (status /= 0) call record_mistake(self, "range of "//key%name)
-         if (range(at:at) == ">") then
-            key%range%least = bound
-            key%range%least_open = .not. closed
-         else
-            key%range%most = bound
-            key%range%most_open = .not. closed
-         end if
-         at = last + 1
-      end do
-   end subroutine set_range
-
-   !> Parse conditions such as `strength_model = mu_i & effects.thermal`.
-   subroutine set_owners(key, owner)
-      type(key_t), intent(inout) :: key                  !! Gets the conditions
-      character(len=*), intent(in) :: owner              !! Conditions with & between them
-      type(condition_t), allocatable :: longer(:)
-      type(condition_t) :: condition
-      character(len=:), allocatable :: name, part
-      integer :: dot, equals, first, last
-
-      first = 1
-      do while (first <= len(owner))
-         last = first + index(owner(first:)//"&", "&") - 2
-         part = trim(adjustl(owner(first:last)))
-         equals = index(part//"=", "=")
-         name = trim(part(:equals - 1))
-         call split(part(equals + 1:), condition%words)
-         dot = index(name, ".")
-         condition%group = key%group
-         if (dot > 0) condition%group = name(:dot - 1)
-         condition%key = name(dot + 1:)
-         allocate (longer(size(key%owners) + 1))
-         longer(:size(key%owners)) = key%owners
-         longer(size(longer)) = condition
-         call move_alloc(longer, key%owners)
-         first = last + 2
-      end do
-   end subroutine set_owners
 
    !> Allow more words for a key of texts.
    subroutine schema_words(self, group, name, words)
@@ -406,6 +341,57 @@ contains
       place = self%locate(group, name)
       if (place(1) > 0) self%groups(place(1))%keys(place(2))%target = target
    end subroutine schema_refer
+
+   !> Declare that a restart may change keys of a group, and what depends on them.
+   subroutine schema_allow_change(self, group, keys, meaning)
+      class(schema_t), intent(inout) :: self
+      character(len=*), intent(in) :: group              !! Their group
+      character(len=*), intent(in) :: keys               !! As in `change_rule_t`, blanks between
+      integer, intent(in) :: meaning                     !! One of the constants of base_key_rules
+
+      call add_changes(self, group, keys, change_rule_t(meaning, "", "", ""))
+   end subroutine schema_allow_change
+
+   !> Declare that a restart must not change keys of a group.
+   subroutine schema_forbid_change(self, group, keys, why, without)
+      class(schema_t), intent(inout) :: self
+      character(len=*), intent(in) :: group              !! Their group
+      character(len=*), intent(in) :: keys               !! As in `change_rule_t`, blanks between
+      character(len=*), intent(in) :: why                !! Reason, for the message
+      character(len=*), intent(in), optional :: without  !! Only in groups that lack this key
+
+      if (present(without)) then
+         call add_changes(self, group, keys, change_rule_t(may_not_change, "", why, without))
+      else
+         call add_changes(self, group, keys, change_rule_t(may_not_change, "", why, ""))
+      end if
+   end subroutine schema_forbid_change
+
+   !> Append one rule for each key.
+   subroutine add_changes(self, group, keys, rule)
+      class(schema_t), intent(inout) :: self
+      character(len=*), intent(in) :: group              !! Their group
+      character(len=*), intent(in) :: keys               !! The keys, blanks between
+      type(change_rule_t), intent(in) :: rule            !! The rule, without its key
+      type(change_rule_t), allocatable :: longer(:)
+      type(text_t), allocatable :: names(:)
+      integer :: i, number, place(2)
+
+      call split(keys, names)
+      do i = 1, size(names)
+         place = [self%find(group), 0]
+         if (scan(names(i)%text, "*+-#") == 0) place = self%locate(group, names(i)%text)
+         if (place(1) == 0) cycle
+         associate (known => self%groups(place(1))%changes)
+            number = size(known)
+            allocate (longer(number + 1))
+            longer(:number) = known
+         end associate
+         longer(number + 1) = rule
+         longer(number + 1)%key = names(i)%text
+         call move_alloc(longer, self%groups(place(1))%changes)
+      end do
+   end subroutine add_changes
 
    !> Indices of the group and of a key that must have been declared.
    function schema_locate(self, group, name) result(place)

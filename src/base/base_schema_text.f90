@@ -3,10 +3,11 @@
 !! groups and keys.
 module base_schema_text
    use base_error, only: error_t, exit_input, fail
+   use base_key_rules, only: change_rule_t, find_change, may_not_change
    use base_kinds, only: wp
    use base_preset, only: preset_t
-   use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
-      schema_t
+   use base_schema, only: changes_end, changes_extent, changes_nothing, group_rule_t, key_t, &
+      kind_integer, kind_logical, kind_real, kind_text, schema_t
    use base_text, only: append, buffer_t, closest, distance, join, lower, number, shared_words, &
       split, text_t
    implicit none
@@ -44,7 +45,7 @@ contains
                associate (key => rule%keys(k))
                   call append(names, key%name)
                   if (wanted == key%name .or. wanted == rule%name//"."//key%name) &
-                     call explain_key(key, buffer)
+                     call explain_key(rule, key, buffer)
                end associate
             end do
          end associate
@@ -207,7 +208,8 @@ contains
    end function key_of_others
 
    !> A key: kind, unit, range, default, words, conditions.
-   subroutine explain_key(key, buffer)
+   subroutine explain_key(rule, key, buffer)
+      type(group_rule_t), intent(in) :: rule             !! Its group
       type(key_t), intent(in) :: key
       type(buffer_t), intent(inout) :: buffer            !! Extended by the text
       integer :: i
@@ -235,7 +237,36 @@ contains
             end if
          end associate
       end do
+      call buffer%line("   restart: "//restart_note(rule, key))
    end subroutine explain_key
+
+   !> Whether a restart may change a key, and what follows.
+   pure function restart_note(rule, key) result(note)
+      type(group_rule_t), intent(in) :: rule             !! Its group
+      type(key_t), intent(in) :: key
+      character(len=:), allocatable :: note
+      type(change_rule_t) :: change
+      integer :: n
+
+      call find_change(rule%changes, key%name, key%kind == kind_real, rule%names(), change)
+      select case (change%meaning)
+      case (may_not_change)
+         note = "must not change; "//change%why
+      case (changes_nothing)
+         note = "may change; no result depends on it"
+      case (changes_extent)
+         note = "may change, with outputs or limits of the run"
+      case (changes_end)
+         note = "may change, with the end of the run"
+      case default
+         note = "may change, with the rest of the run"
+      end select
+      do n = 1, size(rule%changes)
+         if (rule%changes(n)%key /= key%name .or. len(rule%changes(n)%without) == 0) cycle
+         note = note//"; without "//rule%changes(n)%without//" it must not change, as "// &
+            rule%changes(n)%why
+      end do
+   end function restart_note
 
    !> Note on the unit of a key.
    pure function unit_note(key) result(note)

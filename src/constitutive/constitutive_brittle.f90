@@ -43,6 +43,8 @@ contains
       call schema%real("material", "weibull_volume", "volume to which the given strength "// &
          "applies; without it strength does not depend on size", unit="m3", range="> 0", &
          owner="effects.size_scatter & damage_model = principal_stress principal_strain")
+      call schema%forbid_change("material", "weibull_m weibull_volume", "the strengths of the "// &
+         "particles were drawn with it")
    end subroutine declare_brittle
 
    !> Read the scatter.

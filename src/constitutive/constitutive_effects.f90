@@ -2,7 +2,7 @@
 !> Switches of &effects that concern materials.
 module constitutive_effects
    use base_deck_group, only: group_t
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    implicit none
    private
 
@@ -53,6 +53,9 @@ contains
          default=".true.")
       call schema%logical("effects", "rate", "strength depends on the strain rate", &
          default=".true.")
+      call schema%allow_change("effects", "melting artificial_viscosity rate", changes_physics)
+      call schema%forbid_change("effects", "strength eos damage size_scatter voids thermal", &
+         "it decides which fields the particles of the checkpoint have")
    end subroutine effects_declare
 
    !> Read the switches.

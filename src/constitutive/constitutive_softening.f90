@@ -21,7 +21,7 @@ module constitutive_softening
    use base_deck_group, only: group_t
    use base_elementary, only: exponential
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use base_text, only: brief
    use constitutive_brittle, only: bound_deviator
    use constitutive_law, only: law_t
@@ -67,6 +67,7 @@ contains
       call schema%text("material", "softening", &
          "decrease of strength with the opening of a crack that has a fracture_energy", &
          default="linear", words="linear exponential", owner=owner)
+      call schema%allow_change("material", "softening", changes_physics)
    end subroutine declare_softening
 
    !> Read the keys.

@@ -53,6 +53,8 @@ contains
       call schema%real("material", "weibull_k", &
          "Grady-Kipp k: number of flaws per volume active at strain e is k e**m", unit="1/m3", &
          range="> 0", owner=owner)
+      call schema%forbid_change("material", "weibull_k", "the flaws of the particles were "// &
+         "drawn with it")
       call schema%real("material", "crack_speed", "crack speed over the longitudinal wave speed", &
          default="0.4", range="> 0 <= 1", owner=owner)
       call schema%require("material", "weibull_k")

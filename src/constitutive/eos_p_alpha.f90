@@ -49,6 +49,8 @@ contains
       call schema%real("material", "pa_solid", &
          "density of the solid without pores; density is that of the porous material", &
          unit="kg/m3", range="> 0", owner=owner)
+      call schema%forbid_change("material", "pa_solid", "the particles have stored their pores "// &
+         "since, as a part of it")
       call schema%real("material", "pa_pe", "pressure at which pores begin to crush", unit="Pa", &
          range=">= 0", owner=owner)
       call schema%real("material", "pa_pc", "pressure at which all pores are closed", unit="Pa", &

@@ -8,7 +8,7 @@
 module law_drucker_prager
    use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use constitutive_effects, only: effects_t
    use constitutive_eos, only: eos_t
    use constitutive_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
@@ -45,6 +45,7 @@ contains
          "Mohr-Coulomb surface; the plane_strain cone lies inside of it everywhere", &
          default="compression", words="compression extension plane_strain", &
          owner="effects.strength & strength_model = drucker_prager")
+      call schema%allow_change("material", "dp_cone", changes_physics)
    end subroutine drucker_prager_declare
 
    !> Error in the combination of the angles; empty if there is none.

@@ -11,7 +11,7 @@
 module law_granular
    use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use constitutive_effects, only: effects_t
    use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
@@ -60,6 +60,7 @@ contains
       call schema%text("material", "gr_mode", "part of the stress that relaxes: total, the "// &
          "whole stress; deviator, all but the pressure, which follows the equation of state", &
          default="deviator", words="total deviator", owner=owner)
+      call schema%allow_change("material", "gr_mode", changes_physics)
    end subroutine granular_declare
 
    !> The mode decides whether there is an equation of state.

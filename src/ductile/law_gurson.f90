@@ -60,6 +60,8 @@ contains
 
       call schema%real("material", "gtn_f0", "initial porosity", default="0", range=">= 0 < 0.5", &
          owner=owner)
+      call schema%forbid_change("material", "gtn_f0", "the particles store their "// &
+         "porosity since the start")
       call schema%real("material", "gtn_q1", "Tvergaard's q1, factor on the porosity", &
          default="1.5", range="> 0 <= 3", owner=owner)
       call schema%real("material", "gtn_q2", "Tvergaard's q2, factor on the pressure", &

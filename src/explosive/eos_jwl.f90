@@ -11,7 +11,7 @@ module eos_jwl
    use base_deck_group, only: group_t
    use base_elementary, only: exponential, take_exponentials
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_state, only: deformation_t, material_state_t
@@ -71,6 +71,11 @@ contains
       call schema%text("material", "burn_rule", "what burns the explosive: time, the arrival "// &
          "of a &detonation; both, the arrival or the compression, as in an overdriven detonation", &
          default="time", words="time both", owner=owner)
+      call schema%allow_change("material", "burn_rule", changes_physics)
+      call schema%forbid_change("material", "detonation_speed", "the particles of the "// &
+         "checkpoint have the times at which they are ignited")
+      call schema%forbid_change("material", "jwl_e0", "the particles of the checkpoint store "// &
+         "this chemical energy")
       call schema%require("material", "jwl_a jwl_b jwl_r1 jwl_r2 jwl_omega jwl_e0")
    end subroutine jwl_declare
 

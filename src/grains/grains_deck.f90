@@ -4,7 +4,8 @@ module grains_deck
    use base_constants, only: pi
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
+   use base_text, only: brief
    use grains_cell, only: cell_t
    use grains_law, only: hertz_law, linear_law
    use grains_packing, only: fill_lattice, fill_random, grain_radii, set_masses
@@ -13,6 +14,8 @@ module grains_deck
    private
 
    public :: check_grains, declare_grains, read_cell, require_grains
+
+   real(wp), parameter :: most_grains = 1.0e8_wp     !! As the key `number` allows
 
 contains
 
@@ -52,6 +55,9 @@ contains
          default="50", range=">= 10 <= 100000")
       call declare_cell(schema)
       call declare_stages(schema)
+      call schema%forbid_change("grains", "*", "the grains and contacts of the checkpoint were "// &
+         "made with it")
+      call schema%allow_change("grains", "friction restitution", changes_physics)
    end subroutine declare_grains
 
    !> Declare &cell.
@@ -63,7 +69,8 @@ contains
       call schema%text("cell", "packing", "grains: random without overlap, or a perfect lattice", &
          default="random", words="random triangular fcc")
       call schema%integer("cell", "cells(3)", "grains: number of rectangular unit cells of the "// &
-         "lattice, with two discs or four spheres each", owner="packing = triangular fcc")
+         "lattice, with two discs or four spheres each", range="> 0", &
+         owner="packing = triangular fcc")
       call schema%real("cell", "overlap", &
          "grains: overlap of neighbours in the lattice over the diameter", default="0", &
          range=">= 0 < 0.1", owner="packing = triangular fcc")
@@ -84,6 +91,8 @@ contains
       call schema%real("cell", "skin", &
          "grains: gap up to which neighbours are listed, over the mean diameter", default="0.25", &
          range="> 0 <= 2")
+      call schema%forbid_change("cell", "* + -", "the cell of the checkpoint was made with it")
+      call schema%allow_change("cell", "pressure skin", changes_physics)
    end subroutine declare_cell
 
    !> Keys that a deck for --grains must give.
@@ -127,8 +136,24 @@ contains
          if (number < 4**d) call deck%add_error(grains, &
             "a periodic cell needs four grains or more along each edge", "number")
       end if
+      if (packing /= "random" .and. cell%given("cells") .and. cell%valid(["cells"])) &
+         call check_lattice(deck, cell, d)
       call check_stages(deck)
    end subroutine check_grains
+
+   !> Refuse a lattice of more grains than integers count.
+   subroutine check_lattice(deck, group, dimension)
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: group             !! &cell
+      integer, intent(in) :: dimension
+      integer :: cells(3)
+      real(wp) :: number
+
+      call group%get("cells", cells)
+      number = product(real(cells(:dimension), wp))*merge(2.0_wp, 4.0_wp, dimension == 2)
+      if (number > most_grains) call deck%add_error(group, "the lattice has "//brief(number)// &
+         " grains; the greatest number is "//brief(most_grains)//": write fewer cells", "cells")
+   end subroutine check_lattice
 
    !> Volume fraction at which the largest grains fit the sites of a square or cubic lattice, with a
    !! small margin [1].

@@ -71,19 +71,23 @@ contains
       end do
    end subroutine accumulate
 
-   !> Put all grains into bins at least as high as the reach.
+   !> Put all grains into bins at least as high as the reach; in a nearly empty cell the bins are
+   !! wider, so that their number follows that of the grains.
    subroutine fill_bins(grains, box, reach, bins)
       type(grains_t), intent(in) :: grains
       type(box_t), intent(in) :: box
       real(wp), intent(in) :: reach                  !! [m]
       type(bins_t), intent(out) :: bins
       integer, allocatable :: bin(:), next(:)
-      real(wp) :: height(3)
+      real(wp), parameter :: most = 64.0_wp, few = 1024.0_wp ! bins of a grain, and of few grains
+      real(wp) :: height(3), wider
       integer :: row, axis
 
       height = box%heights()
+      wider = product(height(:box%dimension)/reach)/(most*real(grains%count, wp) + few)
+      wider = max(1.0_wp, wider**(1.0_wp/real(box%dimension, wp)))
       do axis = 1, box%dimension
-         bins%number(axis) = max(1, int(height(axis)/reach))
+         bins%number(axis) = max(1, int(height(axis)/(wider*reach)))
       end do
       allocate (bin(grains%count), bins%start(product(bins%number) + 1), bins%row(grains%count))
       bins%start = 0

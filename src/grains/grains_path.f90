@@ -3,13 +3,14 @@
 module grains_path
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_end, changes_physics, schema_t
+   use base_text, only: brief
    use grains_cell, only: cell_t
    use mesh_drive, only: drive_t, read_drive, stage_duration
    implicit none
    private
 
-   public :: check_stages, declare_stages, path_t, read_stages, stage_t
+   public :: check_lengths, check_stages, declare_stages, path_t, read_stages, stage_t
 
    !> One stage.
    type :: stage_t
@@ -74,6 +75,9 @@ contains
          range=">= 0 <= 1000000")
       call schema%logical("stage", "probe", &
          "grains: measure the elastic moduli at the end by small strains", default=".false.")
+      call schema%allow_change("stage", "*", changes_physics)
+      call schema%allow_change("stage", "+", changes_end)
+      call schema%forbid_change("stage", "-", "the checkpoint counts the stages")
    end subroutine declare_stages
 
    !> Check that each stage has an end and that its fixed quantities are defined.
@@ -107,6 +111,29 @@ contains
             "discs have no direction z: use 'isotropic', 'x', 'y' or 'xy'", "servo")
       end do
    end subroutine check_stages
+
+   !> Refuse stages of more time steps than integers count.
+   subroutine check_lengths(deck, path, dt)
+      type(deck_t), intent(inout) :: deck
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(group_t) :: group
+      real(wp) :: most, steps
+      integer :: n
+
+      do n = 1, size(path%stages)
+         associate (stage => path%stages(n))
+            ! rows are spaced by products of steps and rows
+            most = real(huge(1_int64), wp)/(2.0_wp*real(max(stage%rows, stage%snapshots, 1), wp))
+            steps = stage%duration/dt
+         end associate
+         if (steps <= most) cycle
+         group = deck%group("stage", n)
+         call deck%add_error(group, "the stage would take "//brief(steps)//" time steps of "// &
+            deck%shown(dt, "s")//"; at most "//brief(most)//" can be counted: shorten it", &
+            trim(merge("duration", "strain  ", group%given("duration"))))
+      end do
+   end subroutine check_lengths
 
    !> Read the stages.
    subroutine read_stages(deck, cell, friction, path)

@@ -13,6 +13,7 @@ module io_checkpoint
    use base_field_worker, only: field_worker_t
    use base_hash, only: add_hash, hash_integers, hash_reals, hash_text, mix
    use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
    use io_digest, only: field_key
    use io_file, only: join_path, list_folder, longest_name, longest_path, remove_file
    use io_hdf5, only: hdf5_file_t
@@ -35,6 +36,7 @@ module io_checkpoint
       character(len=:), allocatable :: version            !! Version of the program
       character(len=:), allocatable :: deck               !! Text of the deck, optional
       character(len=:), allocatable :: echo               !! All keys with their values, optional
+      type(schema_t) :: schema                            !! Declares which keys may change
    contains
       procedure :: path => place_path                     !! Path of the file
    end type checkpoint_place_t

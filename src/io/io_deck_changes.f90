@@ -4,9 +4,10 @@
 !! The echoes of both are compared, so a changed default is found too, and a checkpoint of an older
 !! version can be compared.
 module io_deck_changes
+   use base_key_rules, only: change_rule_t, changes_end, changes_extent, changes_nothing, &
+      changes_physics, find_change, group_added, group_removed
+   use base_schema, only: kind_real, schema_t
    use base_text, only: append, number_text => number, shortened, text_t
-   use io_deck_restart, only: change_class, changes_end, changes_extent, changes_nothing, &
-      changes_physics, group_added, group_removed, rigid_region
    implicit none
    private
 
@@ -26,7 +27,7 @@ module io_deck_changes
 
    !> One group of an echo.
    type :: echo_group_t
-      character(len=:), allocatable :: kind              !! Kind, for the table of changes
+      character(len=:), allocatable :: kind              !! Name in the deck, without &
       character(len=:), allocatable :: label             !! Unique in the echo, for messages
       integer :: count = 0                               !! Keys
       type(echo_entry_t), allocatable :: entries(:)           !! The keys; longer than `count`
@@ -52,9 +53,10 @@ module io_deck_changes
 contains
 
    !> Compare the echo of a checkpoint with that of this run.
-   pure subroutine compare_decks(old, new, changes)
+   pure subroutine compare_decks(old, new, schema, changes)
       character(len=*), intent(in) :: old                !! Echo of the checkpoint
       character(len=*), intent(in) :: new                !! Echo of this run
+      type(schema_t), intent(in) :: schema               !! Declares what may change
       type(changes_t), intent(out) :: changes            !! The keys that differ
       type(echo_groups_t) :: was, is
       integer :: n, other
@@ -70,16 +72,15 @@ contains
       do n = 1, is%count
          other = index_of_group(was, is%group(n)%label)
          if (other == 0) then
-            call add_line(changes, is%group(n)%kind, group_added, &
+            call add_line(changes, schema, is%group(n), group_added, &
                is%group(n)%label//" is new")
          else
-            call compare_groups(was%group(other), is%group(n), changes)
+            call compare_groups(was%group(other), is%group(n), schema, changes)
          end if
       end do
       do n = 1, was%count
-         if (index_of_group(is, was%group(n)%label) == 0) call add_line(changes, &
-            was%group(n)%kind, &
-            group_removed, was%group(n)%label//" is gone")
+         if (index_of_group(is, was%group(n)%label) == 0) call add_line(changes, schema, &
+            was%group(n), group_removed, was%group(n)%label//" is gone")
       end do
    end subroutine compare_decks
 
@@ -129,9 +130,10 @@ contains
    end function changes_results
 
    !> Compare the keys of a group that both decks have.
-   pure subroutine compare_groups(was, is, changes)
+   pure subroutine compare_groups(was, is, schema, changes)
       type(echo_group_t), intent(in) :: was                   !! Value in the checkpoint
       type(echo_group_t), intent(in) :: is                    !! Value in this run
+      type(schema_t), intent(in) :: schema               !! Declares what may change
       type(changes_t), intent(inout) :: changes          !! Gets the keys that differ
       integer :: n, other
 
@@ -139,42 +141,46 @@ contains
          other = index_of_key(was, is%entries(n)%key)
          if (other == 0) then
             ! a difference of defaults follows from another key, which is reported itself
-            if (.not. is%entries(n)%default) call add_key(changes, is, is%entries(n)%key, &
+            if (.not. is%entries(n)%default) call add_key(changes, schema, is, is%entries(n)%key, &
                not_given, is%entries(n)%value)
          else if (was%entries(other)%value /= is%entries(n)%value) then
-            call add_key(changes, is, is%entries(n)%key, was%entries(other)%value, &
-               is%entries(n)%value)
+            call add_key(changes, schema, is, is%entries(n)%key, &
+               was%entries(other)%value, is%entries(n)%value)
          end if
       end do
       do n = 1, was%count
          if (was%entries(n)%default) cycle
-         if (index_of_key(is, was%entries(n)%key) == 0) call add_key(changes, is, &
-            was%entries(n)%key, was%entries(n)%value, not_given)
+         if (index_of_key(is, was%entries(n)%key) == 0) call add_key(changes, schema, &
+            is, was%entries(n)%key, was%entries(n)%value, not_given)
       end do
    end subroutine compare_groups
 
    !> Record a key that differs.
-   pure subroutine add_key(changes, group, key, old, new)
+   pure subroutine add_key(changes, schema, group, key, old, new)
       type(changes_t), intent(inout) :: changes          !! Gets a line
+      type(schema_t), intent(in) :: schema               !! Declares what may change
       type(echo_group_t), intent(in) :: group                 !! Group of the key
       character(len=*), intent(in) :: key
       character(len=*), intent(in) :: old                !! Value of the checkpoint
       character(len=*), intent(in) :: new                !! Value of this run
 
-      call add_line(changes, group%kind, key, group%label//" "//key//" = "// &
+      call add_line(changes, schema, group, key, group%label//" "//key//" = "// &
          shortened(new, shown)//", was "//shortened(old, shown))
    end subroutine add_key
 
    !> Add a line to the list of its class.
-   pure subroutine add_line(changes, kind, key, line)
+   pure subroutine add_line(changes, schema, group, key, line)
       type(changes_t), intent(inout) :: changes          !! Gets the line
-      character(len=*), intent(in) :: kind               !! Kind of the group
-      character(len=*), intent(in) :: key
+      type(schema_t), intent(in) :: schema               !! Declares what may change
+      type(echo_group_t), intent(in) :: group            !! Group of the key
+      character(len=*), intent(in) :: key                !! Key, `group_added` or `group_removed`
       character(len=*), intent(in) :: line               !! Differences
       character(len=:), allocatable :: text
+      type(change_rule_t) :: rule
 
       text = new_line("a")//"  &"//line
-      select case (change_class(kind, key))
+      call find_rule(schema, group, key, rule)
+      select case (rule%meaning)
       case (changes_nothing)
          changes%nothing = changes%nothing//text
       case (changes_end)
@@ -184,9 +190,35 @@ contains
       case (changes_physics)
          changes%physics = changes%physics//text
       case default
-         changes%refused = changes%refused//text
+         changes%refused = changes%refused//text//": "//rule%why
       end select
    end subroutine add_line
+
+   !> What the schema declares about the change of a key. A key that it lacks must not change.
+   pure subroutine find_rule(schema, group, key, rule)
+      type(schema_t), intent(in) :: schema
+      type(echo_group_t), intent(in) :: group            !! Group of the key
+      character(len=*), intent(in) :: key                !! Key, `group_added` or `group_removed`
+      type(change_rule_t), intent(out) :: rule
+      type(text_t), allocatable :: given(:)
+      integer :: n, place(2)
+      logical :: is_number
+
+      rule%why = "this version has no such key"
+      place = [schema%find(group%kind), 0]
+      if (place(1) == 0) return
+      is_number = .false.
+      if (key /= group_added .and. key /= group_removed) then
+         place(2) = schema%groups(place(1))%find(key)
+         if (place(2) == 0) return
+         is_number = schema%groups(place(1))%keys(place(2))%kind == kind_real
+      end if
+      allocate (given(0))
+      do n = 1, group%count
+         call append(given, group%entries(n)%key)
+      end do
+      call find_change(schema%groups(place(1))%changes, key, is_number, given, rule)
+   end subroutine find_rule
 
    !> Index of a group, 0 if there is none of that label.
    pure integer function index_of_group(groups, label) result(place)
@@ -303,12 +335,6 @@ contains
             else
                group%label = group%kind
             end if
-         end associate
-      end do
-      do n = 1, groups%count
-         associate (group => groups%group(n))
-            if (group%kind == "boundary" .and. index_of_key(group, "face") == 0) &
-               group%kind = rigid_region
          end associate
       end do
    end subroutine name_groups

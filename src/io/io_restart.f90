@@ -66,7 +66,7 @@ contains
       if (allocated(error)) return
       do index = 1, size(paths)
          call checkpoint_read(communicator, trim(paths(index)), stores, state, error, &
-            place%echo, changes)
+            place, changes)
          if (.not. allocated(error)) then
             path = trim(paths(index))
             return
@@ -92,13 +92,13 @@ contains
    !!
    !! The required fields must be allocated, with any size. Each rank gets an equal part of each
    !! store as one range, regardless of the tiles of the particles.
-   subroutine checkpoint_read(communicator, path, stores, state, error, echo, changes)
+   subroutine checkpoint_read(communicator, path, stores, state, error, place, changes)
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path
       type(store_t), intent(inout) :: stores(:) !! With the requested fields allocated; filled
       type(state_t), intent(inout) :: state               !! Filled
       type(error_t), allocatable, intent(out) :: error    !! Damaged, or of another deck
-      character(len=*), intent(in), optional :: echo      !! All keys of this run, to compare
+      type(checkpoint_place_t), intent(in), optional :: place !! Keys of this run, to compare
       type(changes_t), intent(out), optional :: changes   !! Differences from the deck in the file
       type(reader_t) :: reader
       integer :: index
@@ -110,7 +110,7 @@ contains
       if (.not. allocated(error)) call read_head(reader%source, state, error)
       if (.not. allocated(error)) call read_state(reader%source, state, error)
       if (.not. allocated(error) .and. present(changes)) &
-         call check_deck(reader%source, echo, changes, error)
+         call check_deck(reader%source, place, changes, error)
       if (.not. allocated(error)) call check_materials(reader%source, stores, error)
       call agree(communicator, error)
       if (.not. allocated(error)) then
@@ -153,16 +153,16 @@ contains
    end subroutine read_text
 
    !> Compare the keys of this run with those of the run that wrote the file.
-   subroutine check_deck(source, echo, changes, error)
+   subroutine check_deck(source, place, changes, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
-      character(len=*), intent(in) :: echo                !! All keys of this run
+      type(checkpoint_place_t), intent(in) :: place       !! All keys of this run
       type(changes_t), intent(out) :: changes             !! Differences
       type(error_t), allocatable, intent(out) :: error    !! Keys that may not change differ
       character(len=:), allocatable :: old
 
       call read_text(source, "/deck_echo", old, error)
       if (allocated(error)) return
-      call compare_decks(old, echo, changes)
+      call compare_decks(old, place%echo, place%schema, changes)
       if (len(changes%refused) > 0) call fail(error, exit_file, "'"//source%path// &
          "' belongs to another deck: these keys must not change in a restart (values in SI):"// &
          changes%refused//new_line("a")//"use the deck of that run, or start again in "// &

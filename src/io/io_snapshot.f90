@@ -7,7 +7,7 @@ module io_snapshot
    use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
-   use base_units, only: output_units_t, system_si
+   use base_units, only: dimension_of, output_units_t, system_si
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use io_fields, only: choose_columns, column_t, fill_integers, fill_reals, picks_t
    use io_fragments, only: labels_t
@@ -328,11 +328,9 @@ contains
       character(len=*), intent(in) :: unit               !! SI unit
       type(output_units_t), intent(in) :: units          !! Units of the file
       character(len=:), allocatable :: words
-      integer(int32) :: exponents(7)
       integer :: letter
 
       words = long_name
-      exponents = powers(unit)
       do letter = 1, len(words)
          if (words(letter:letter) == "_") words(letter:letter) = " "
       end do
@@ -340,40 +338,8 @@ contains
       call file%attribute(name, "long_name", words)
       call file%attribute(name, "unitSI", units%factor(unit))
       if (units%system /= system_si) call file%attribute(name, "unitNameSI", unit)
-      call file%attribute(name, "unitDimension", exponents)
+      call file%attribute(name, "unitDimension", dimension_of(unit))
    end subroutine write_units
-
-   !> Powers of length, mass, time, current, temperature, amount and light in a unit.
-   pure function powers(unit) result(exponents)
-      character(len=*), intent(in) :: unit               !! SI unit
-      integer(int32) :: exponents(7)
-
-      exponents = 0
-      select case (unit)
-      case ("m")
-         exponents(1) = 1
-      case ("m3")
-         exponents(1) = 3
-      case ("kg")
-         exponents(2) = 1
-      case ("kg/m3")
-         exponents(:2) = [-3, 1]
-      case ("m/s")
-         exponents(:3) = [1, 0, -1]
-      case ("Pa")
-         exponents(:3) = [-1, 1, -2]
-      case ("J/kg")
-         exponents(:3) = [2, 0, -2]
-      case ("1/s")
-         exponents(3) = -1
-      case ("s")
-         exponents(3) = 1
-      case ("K")
-         exponents(5) = 1
-      case default
-         exponents = 0
-      end select
-   end function powers
 
    !> Write the provenance of the file.
    subroutine write_provenance(file, header)

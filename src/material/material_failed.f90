@@ -62,6 +62,8 @@ contains
          "deviator nor tension, nothing has zero stress, the others follow that strength law; "// &
          "default: rubble, with damage_model = 'jh2' the fractured strength", &
          words="rubble nothing granular drucker_prager", owner="effects.damage")
+      call schema%forbid_change("material", "failed_as", "it decides which fields the "// &
+         "particles of the checkpoint have")
       call schema%real("material", "failed_friction_angle", &
          "angle of internal friction of failed material", unit="deg", range="> 0 < 90", &
          owner=owner//"drucker_prager")

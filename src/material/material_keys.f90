@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Declares the keys of materials.
 module material_keys
-   use base_schema, only: schema_t
+   use base_schema, only: changes_nothing, changes_physics, schema_t
    use constitutive_damage, only: damage_t
    use constitutive_effects, only: effects_t
    use constitutive_eos, only: eos_t
@@ -47,6 +47,16 @@ contains
       call declare_heat(schema)
       call declare_models(schema)
       call schema%require("material", "name density")
+      call schema%forbid_change("run", "seed", "the random strengths and positions of the "// &
+         "particles were drawn with it")
+      call schema%allow_change("material", "#", changes_physics)
+      ! the keys that a preset sets are compared themselves
+      call schema%allow_change("material", "preset", changes_nothing)
+      call schema%forbid_change("material", "name + -", "the particles of the checkpoint are "// &
+         "stored by material")
+      call schema%forbid_change("material", "density", "it gave the particles their masses")
+      call schema%forbid_change("material", "elastic eos_model strength_model damage_model "// &
+         "volume_from", "it decides which fields the particles of the checkpoint have")
    end subroutine declare_material_keys
 
    !> Declare density, moduli and the choice of models.

@@ -13,7 +13,7 @@
 module material_voids
    use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use constitutive_eos, only: eos_t
    use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
@@ -65,6 +65,9 @@ contains
       call schema%real("material", "b_thermal", &
          "volumetric thermal expansion of the grains, which closes voids", unit="1/K", &
          default="0", range=">= 0", owner="effects.voids & effects.thermal")
+      call schema%allow_change("material", "alpha_m", changes_physics)
+      call schema%forbid_change("material", "solid_fraction", "it is the initial state of the "// &
+         "voids, which the particles have stored since")
    end subroutine declare_voids
 
    !> Error in the combination of the keys; empty if there is none.

@@ -64,6 +64,7 @@ module mesh_moving_cell
       procedure :: renew => cell_renew               !! Quantities that depend on the edges
       procedure :: prepare => cell_prepare           !! Edges after a step
       procedure :: complete => cell_complete         !! New edges, equivalent ones
+      procedure :: begin => cell_begin               !! Velocity gradient of the first step
       procedure :: steer => cell_steer               !! Velocity gradient of the next step
       procedure :: step_work => cell_step_work       !! Work of the stress in the step
       procedure :: stress => cell_stress             !! Mean stress
@@ -154,6 +155,16 @@ contains
          self%now = self%now + 1
       end do
    end subroutine cell_complete
+
+   !> Velocity gradient of the first step, and the length of this step.
+   pure subroutine cell_begin(self, strain, dt)
+      class(moving_cell_t), intent(inout) :: self    !! With mass, fastest wave and sums
+      real(wp), intent(in) :: strain                 !! Greatest strain of a step [1]
+      real(wp), intent(inout) :: dt                  !! Stable step in, that of the cell out [s]
+
+      call self%steer(dt)
+      dt = min(dt, self%longest_step(strain))
+   end subroutine cell_begin
 
    !> Velocity gradient of the next step by the present stage; after the last stage it is zero.
    pure subroutine cell_steer(self, dt)

@@ -39,6 +39,7 @@ contains
       type(checkpoint_place_t), intent(inout) :: place !! Where; its number grows
       type(error_t), allocatable, intent(out) :: error !! Not written; older ones are intact
       type(state_t) :: state
+      integer :: n
 
       call simulation%machine%timer%start(simulation%machine%phase%checkpoint)
       call describe_state(simulation, state)
@@ -49,6 +50,9 @@ contains
       call state%set("last_step_length", [simulation%clock%dt, simulation%clock%guard%longest])
       call state%set("space", space_of(simulation))
       if (allocated(simulation%space%cell)) call state%set("cell", simulation%space%cell%pack())
+      if (allocated(simulation%effects%inflows)) call state%set("inflows", &
+         [(simulation%effects%inflows(n)%state(state%time), &
+         n=1, size(simulation%effects%inflows))])
       call checkpoint_write(simulation%machine%communicator, place, simulation%stores, state, error)
       if (.not. allocated(error)) place%number = place%number + 1
       call simulation%machine%timer%stop(simulation%machine%phase%checkpoint)
@@ -82,8 +86,7 @@ contains
       if (len(file) > 0) then
          path = file
          call checkpoint_read(simulation%machine%communicator, path, simulation%stores, state, &
-            error, &
-            place%echo, changes)
+            error, place, changes)
       else
          call checkpoint_find(simulation%machine%communicator, place, simulation%stores, state, &
             path, &
@@ -119,11 +122,29 @@ contains
          if (allocated(error)) return
          call simulation%space%cell%unpack(length)
       end if
+      if (allocated(simulation%effects%inflows)) call continue_inflows(simulation, state, error)
+      if (allocated(error)) return
       call outputs%load(state)
       call load_errors(simulation, state)
       call load_trust(simulation%balance%trust, state)
       call distribute_particles(simulation)
    end subroutine resume
+
+   !> Continue inflows from their displacements, which checkpoints of older versions lack.
+   subroutine continue_inflows(simulation, state, error)
+      type(simulation_t), intent(inout) :: simulation !! With inflows
+      type(state_t), intent(in) :: state
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: parts(:)
+      integer :: n
+
+      if (.not. state%has("inflows")) return
+      call state%get("inflows", parts, error)
+      if (allocated(error)) return
+      do n = 1, size(simulation%effects%inflows)
+         call simulation%effects%inflows(n)%continue(state%time, parts(2*n - 1:2*n))
+      end do
+   end subroutine continue_inflows
 
    !> Number the next checkpoint after all in the folder: a run that resumes from a given file
    !! keeps later ones.

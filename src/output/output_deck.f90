@@ -4,7 +4,7 @@
 module output_deck
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_extent, changes_nothing, schema_t
    use base_text, only: brief
    use output_catalogue, only: choose_stream, stream_names
    use output_field_names, only: check_field_names
@@ -50,6 +50,7 @@ contains
          call choose_stream(stream_names(n), stream)
          call stream%declare(schema, trim(stream_names(n)))
       end do
+      call schema%allow_change("output", "* + -", changes_extent)
    end subroutine declare_output
 
    !> Declare &checkpoint.
@@ -66,6 +67,7 @@ contains
       call schema%logical("checkpoint", "at_end", "write a checkpoint at the end", default=".true.")
       call schema%text("checkpoint", "on_signal(:4)", "signals that request a checkpoint and "// &
          "exit code 75", default="TERM USR1 INT", words="TERM USR1 USR2 INT HUP none")
+      call schema%allow_change("checkpoint", "*", changes_nothing)
    end subroutine declare_checkpoint
 
    !> Declare &log.
@@ -78,6 +80,7 @@ contains
       call schema%text("log", "level", "level of the log file", default="info", &
          words="error warn info debug")
       call schema%logical("log", "timing", "print a table of timings at the end", default=".true.")
+      call schema%allow_change("log", "*", changes_nothing)
    end subroutine declare_log
 
    !> Check keys of &output and &checkpoint against other keys.

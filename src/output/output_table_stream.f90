@@ -124,13 +124,14 @@ contains
          " rows; write less often, or continue with --force")
    end subroutine table_limit
 
-   !> Entry of the stream in the summary.
+   !> Entry of the stream in the summary: its kind, as in the name of its file.
    pure subroutine table_list(self, key, file)
       class(table_stream_t), intent(in) :: self
-      character(len=:), allocatable, intent(out) :: key !! For all tables
+      character(len=:), allocatable, intent(out) :: key !! Such as gauge of _gauge.csv
       character(len=:), allocatable, intent(out) :: file !! Path of the table
 
-      key = "history"
+      key = self%ending()
+      key = key(2:index(key, ".") - 1)
       file = self%file
    end subroutine table_list
 end module output_table_stream

@@ -3,8 +3,9 @@
 !! length of the body, and each particle enters where its position passes the plane behind the body.
 !! Equations (O.6) and (O.7) of doc/theory/instruments.md.
 !!
-!! The entered material follows from the time alone, so checkpoints need not store it. A
-!! rank holds the particles of the tiles that it has counted; those that enter are sent to the
+!! The entered material follows from the time alone. A checkpoint stores the displacement, so that a
+!! restart with another velocity continues from it. A rank
+!! holds the particles of the tiles that it has counted; those that enter are sent to the
 !! owners of their tiles.
 module particle_inflow
    use base_kinds, only: int64, wp
@@ -28,6 +29,7 @@ module particle_inflow
       real(wp) :: sense = 1.0_wp                     !! -1 = against the axis
       real(wp) :: plane = 0.0_wp                     !! Where material enters, along the axis [m]
       real(wp) :: length = 0.0_wp                    !! Length of the body along the flow [m]
+      real(wp) :: ahead = 0.0_wp !! Displacement before a restart, less that of this motion [m]
       integer(int64) :: identities = 0               !! Added to an identity from copy to copy
       type(store_t) :: pattern                       !! Particles in the tiles of the body
       integer, allocatable :: particle(:)            !! (entry) Particle of the body
@@ -36,6 +38,8 @@ module particle_inflow
    contains
       procedure :: travel => inflow_travel           !! Displacement of the flow
       procedure :: enter => inflow_enter             !! Particles that enter in a step
+      procedure :: state => inflow_state             !! Displacement, for a checkpoint
+      procedure :: continue => inflow_continue       !! Continues from the displacement
    end type inflow_t
 
    !> Particles that enter a store, as rows of words.
@@ -56,8 +60,31 @@ contains
       real(wp) :: shift(3)
 
       shift = self%motion%shift(time)
-      way = self%sense*shift(self%axis)
+      way = self%sense*shift(self%axis) + self%ahead
    end function inflow_travel
+
+   !> The two parts of the displacement at a time: of the motion, and before it [m].
+   pure function inflow_state(self, time) result(parts)
+      class(inflow_t), intent(in) :: self
+      real(wp), intent(in) :: time                   !! [s]
+      real(wp) :: parts(2), shift(3)
+
+      shift = self%motion%shift(time)
+      parts = [self%sense*shift(self%axis), self%ahead]
+   end function inflow_state
+
+   !> Continue from the displacement of a checkpoint, also with another motion. With the same motion
+   !! the result has the same bits as without a restart.
+   pure subroutine inflow_continue(self, time, parts)
+      class(inflow_t), intent(inout) :: self
+      real(wp), intent(in) :: time                   !! Time of the checkpoint [s]
+      real(wp), intent(in) :: parts(2)               !! From `inflow_state` [m]
+      real(wp) :: now(2)
+
+      self%ahead = parts(2)
+      now = self%state(time)
+      if (abs(now(1) - parts(1)) > 0.0_wp) self%ahead = parts(1) + parts(2) - now(1)
+   end subroutine inflow_continue
 
    !> List the particles that enter between two times by (O.7), and set their positions at the end
    !! of the interval. The displacement in a step is less than the length of the body, so a particle

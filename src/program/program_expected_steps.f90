@@ -6,14 +6,16 @@ module program_expected_steps
    use base_text, only: brief
    use constitutive_state, only: material_state_t
    use material_type, only: material_t
+   use mesh_moving_cell, only: moving_cell_t
    use particle_fill, only: body_t
    use program_run_limits, only: limits_t
+   use step_bounds, only: rule_conduction
    use step_simulation, only: simulation_t
-   use step_time_step, only: conduction_step
+   use step_time_step, only: find_stable_step
    implicit none
    private
 
-   public :: expected_steps, find_first_step, meetings_text
+   public :: expected_steps, find_first_stable_step, find_first_step, meetings_text
 
    integer, parameter :: spans = 600                 !! Equal intervals of the time of a run
    real(wp), parameter :: slope = 1.5_wp !! d(shock speed)/d(velocity jump), typical of metals
@@ -373,23 +375,33 @@ contains
       !> Limit of the step, empty for the wave speed
       character(len=:), allocatable, intent(out) :: cause
 
-      call find_stable_step(simulation, bodies, dt, cause)
-      if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
+      call find_first_stable_step(simulation, bodies, simulation%scheme%method%cfl, &
+         simulation%clock%guard%bounds%strain_max, dt, cause)
+      if (limits%dt_fixed > 0.0_wp) then
+         dt = limits%dt_fixed
+         cause = " (dt_fixed)"
+      end if
       dt = min(dt, limits%dt_max)
    end subroutine find_first_step
 
-   !> Stable time step of the first state.
-   pure subroutine find_stable_step(simulation, bodies, dt, cause)
-      type(simulation_t), intent(in) :: simulation
+   !> Stable time step of the first state, as `first_step` of scene_particles finds it from the
+   !! particles.
+   pure subroutine find_first_stable_step(simulation, bodies, courant, strain, dt, cause)
+      type(simulation_t), intent(in) :: simulation   !! Without particles
       type(body_t), intent(in) :: bodies(:)
+      real(wp), intent(in) :: courant                !! Courant number
+      real(wp), intent(in) :: strain                 !! Greatest strain of a cell in a step [1]
       real(wp), intent(out) :: dt                    !! [s]
       !> Limit of the step, empty for the wave speed
       character(len=:), allocatable, intent(out) :: cause
+      type(moving_cell_t) :: cell
       type(material_state_t) :: state
-      real(wp) :: fastest, diffusivity, longest
-      integer :: n
+      real(wp) :: densest, fastest, diffusivity, greatest, signal, stable
+      integer :: n, rule
 
+      densest = 0.0_wp
       fastest = 0.0_wp
+      greatest = 0.0_wp
       diffusivity = 0.0_wp
       do n = 1, size(bodies)
          associate (material => simulation%materials(bodies(n)%store))
@@ -399,17 +411,24 @@ contains
             call material%start(state, 1, 1, bodies(n)%temperature)
             if (bodies(n)%energy > 0.0_wp .and. allocated(state%energy)) &
                state%energy = bodies(n)%energy
-            fastest = max(fastest, material%signal_speed(state, 1, 1) + norm2(bodies(n)%velocity))
+            signal = material%signal_speed(state, 1, 1)
+            densest = max(densest, material%density)
+            greatest = max(greatest, signal)
+            fastest = max(fastest, signal + norm2(bodies(n)%velocity))
             if (allocated(material%heat)) diffusivity = max(diffusivity, &
                material%heat%conductivity/(material%density*material%heat%specific_heat))
          end associate
       end do
-      dt = huge(dt)
-      if (fastest > 0.0_wp) dt = simulation%scheme%method%cfl*simulation%space%grid%spacing/fastest
-      longest = conduction_step(simulation%space%grid%spacing, simulation%space%grid%dimensions, &
-         diffusivity)
+      call find_stable_step(simulation%space, courant, fastest, diffusivity, dt, rule)
       cause = ""
-      if (longest < dt) cause = " (heat conduction)"
-      dt = min(dt, longest)
-   end subroutine find_stable_step
+      if (rule == rule_conduction) cause = " (heat conduction)"
+      if (.not. allocated(simulation%space%cell)) return
+      ! the mass is only used where a servo holds the stress
+      cell = simulation%space%cell
+      cell%speed = greatest
+      cell%mass = densest*cell%box%volume()
+      stable = dt
+      call cell%begin(strain, dt)
+      if (dt < stable) cause = " (strain of the cell)"
+   end subroutine find_first_stable_step
 end module program_expected_steps

@@ -17,7 +17,7 @@ module program_grains
    use grains_deck, only: check_grains, read_cell
    use grains_measures, only: energy_t, find_energy
    use grains_output, only: grains_output_t
-   use grains_path, only: path_t, read_stages
+   use grains_path, only: check_lengths, path_t, read_stages
    use io_file, only: make_folder, write_file
    use io_state, only: state_t
    use io_summary, only: json_t
@@ -60,6 +60,9 @@ contains
       run%cell%communicator = setup%simulation%machine%communicator
       call read_cell(setup%deck, run%cell)
       call read_stages(setup%deck, run%cell, run%cell%law%friction, run%path)
+      call check_lengths(setup%deck, run%path, run%cell%dt)
+      call setup%deck%verdict(error)
+      if (allocated(error)) return
       call read_limits(setup%deck, run%limits)
       ! with fewer grains per thread, waiting takes longer than the work
       call omp_set_num_threads(max(1, min(most_threads, run%cell%grains%count &
@@ -117,6 +120,7 @@ contains
          run%place%version = version_text
          run%place%deck = header%deck
          run%place%echo = header%echo
+         run%place%schema = setup%schema
          group = setup%deck%group("checkpoint")
          call group%get("keep", run%place%keep)
       end associate

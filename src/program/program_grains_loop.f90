@@ -108,7 +108,7 @@ contains
       notes = ""
       if (allocated(setup%command%checkpoint)) then
          path = setup%command%checkpoint
-         call checkpoint_read(run%cell%communicator, path, none, state, error, run%place%echo, &
+         call checkpoint_read(run%cell%communicator, path, none, state, error, run%place, &
             changes)
       else
          call checkpoint_find(run%cell%communicator, run%place, none, state, path, notes, error, &

@@ -3,7 +3,7 @@
 module program_lists
    use base_schema, only: schema_t
    use base_text, only: join
-   use base_unit_words, only: unit_list
+   use base_units, only: unit_list
    use exact_catalogue, only: exact_names
    use io_fields, only: field_names
    use io_means, only: profile_names

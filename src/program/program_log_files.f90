@@ -52,8 +52,9 @@ contains
          if (len(line) > 0) call log%info(line)
          if (len(hints) > 0) call log%info(hints)
          if (setup%deck%warnings() > 0) call log%warn(setup%deck%report())
-         call log%info(effects_text(setup%deck)//cost_report(setup%simulation, setup%bodies, &
-            survey, setup%limits, outputs%full_snapshots(setup%limits%time_end)))
+         call log%info(effects_text(setup%schema, setup%deck)// &
+            cost_report(setup%simulation, setup%bodies, survey, setup%limits, &
+            outputs%full_snapshots(setup%limits%time_end)))
          if (communicator%rank == 0) call write_file(stem//".echo.nml", setup%deck%echo(), error)
          call agree(communicator, error)
       end associate

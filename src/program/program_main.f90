@@ -176,7 +176,7 @@ contains
       character(len=:), allocatable :: text
 
       write (output_unit, "(a)") coded(session%deck%report())
-      write (output_unit, "(a)", advance="no") effects_text(session%deck)
+      write (output_unit, "(a)", advance="no") effects_text(session%schema, session%deck)
       write (output_unit, "(a)", advance="no") cost_report(session%simulation, session%bodies, &
          session%survey, session%limits, session%outputs%full_snapshots(session%limits%time_end))
       text = existing_results_text(session)

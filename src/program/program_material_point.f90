@@ -5,7 +5,7 @@ module program_material_point
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_nothing, schema_t
    use base_text, only: buffer_t
    use io_file, only: make_folder, write_file
    use material_point, only: point_t
@@ -52,6 +52,7 @@ contains
          "initial volume, for the number of flaws in brittle materials", unit="m3", &
          default="1.0e-9", range="> 0")
       call schema%require("point", "velocity_gradient speed")
+      call schema%allow_change("point", "*", changes_nothing)
    end subroutine declare_point
 
    !> Make the keys of the scene optional: a deck for --point needs only &material and

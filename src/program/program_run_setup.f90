@@ -17,6 +17,7 @@ module program_run_setup
    use particle_fill, only: body_t
    use program_command, only: command_t
    use program_expected_steps, only: expected_steps
+   use program_fixed_step, only: check_fixed_step
    use program_material_point, only: declare_point, make_scene_optional
    use program_run_limits, only: limits_t, read_limits
    use scene_body_placement, only: check_elastic, check_placement, check_size, default_most_points
@@ -111,8 +112,11 @@ contains
       if (allocated(setup%survey%key)) &
          call check_formulas(setup%deck, setup%simulation, setup%bodies, setup%survey%key)
       call read_limits(setup%deck, setup%limits)
+      if (.not. setup%command%force) call check_fixed_step(setup%deck, setup%simulation, &
+         setup%bodies)
       call describe_simulation(setup%deck, setup%simulation, setup%bodies, setup%deck_text, &
          setup%command%output%folder, setup%outputs, setup%place)
+      setup%place%schema = setup%schema
       call setup%outputs%plan(setup%deck, setup%simulation, setup%shapes, setup%limits%time_end)
       call setup%deck%verdict(error)
       if (allocated(error)) return

@@ -70,6 +70,8 @@ contains
       call schema%require("body", "name region material")
       call schema%refer("body", "region", "region")
       call schema%refer("body", "material", "material")
+      call schema%forbid_change("body", "* + -", "the particles of the checkpoint "// &
+         "were made from it")
    end subroutine declare_body
 
    !> Check that there are bodies, and the velocity, spin and temperature of each.

@@ -5,7 +5,7 @@ module scene_boundary
    use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use io_motion, only: of_velocities
    use mesh_boundary, only: boundary_t, face_names
    use mesh_boundary_catalogue, only: boundary_names, choose_boundary
@@ -68,6 +68,9 @@ contains
          owner="effects.thermal")
       call schema%require("boundary", "type")
       call schema%refer("boundary", "region", "region")
+      call schema%allow_change("boundary", "* + -", changes_physics)
+      call schema%forbid_change("boundary", "region type velocity table t_on", "the position "// &
+         "of a rigid region follows from its motion since the start", without="face")
    end subroutine declare_boundary
 
    !> All boundaries.

@@ -286,9 +286,7 @@ contains
          cell%speed = signal
          cell%mass = find_mass(communicator, simulation%stores)
          call measure_cell(communicator, simulation%stores, cell)
-         call cell%steer(simulation%clock%dt_next)
-         simulation%clock%dt_next = min(simulation%clock%dt_next, &
-            cell%longest_step(simulation%clock%guard%bounds%strain_max))
+         call cell%begin(simulation%clock%guard%bounds%strain_max, simulation%clock%dt_next)
       end associate
    end subroutine start_cell
 end module scene_cell

@@ -3,7 +3,7 @@
 module scene_contact
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use base_text, only: brief, number, text_t
    use material_type, only: material_t
    use particle_fill, only: body_t
@@ -41,6 +41,9 @@ contains
          "shear combined; without it the bond does not break", unit="Pa", range="> 0", &
          owner="effects.contact & law = bonded")
       call schema%refer("contact", "bodies", "body")
+      call schema%allow_change("contact", "#", changes_physics)
+      call schema%forbid_change("contact", "bodies law + -", "the bonds of the particles of "// &
+         "the checkpoint belong to this law and pair")
    end subroutine declare_contact
 
    !> Assign velocity fields to the bodies and stores to the fields, if contact is on.

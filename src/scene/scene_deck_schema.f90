@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> All groups of a deck: each is declared by the module that checks and reads it.
 module scene_deck_schema
-   use base_schema, only: schema_t
+   use base_schema, only: changes_nothing, schema_t
    use material_keys, only: declare_material_keys
    use scene_bodies, only: declare_body
    use scene_boundary, only: declare_boundary
@@ -48,5 +48,8 @@ contains
       call declare_detonation(schema)
       call declare_exact(schema)
       call declare_parallel(schema)
+      ! the echo contains the groups and numbers that these two provide
+      call schema%allow_change("include", "* + -", changes_nothing)
+      call schema%allow_change("define", "+ -", changes_nothing)
    end subroutine declare_deck
 end module scene_deck_schema

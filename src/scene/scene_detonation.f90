@@ -34,6 +34,8 @@ contains
       call schema%text("detonation", "material", "the only explosive that is ignited; default: all")
       call schema%require("detonation", "point point2 normal")
       call schema%refer("detonation", "material", "material")
+      call schema%forbid_change("detonation", "* + -", "the particles of the checkpoint "// &
+         "have the times at which they are ignited")
    end subroutine declare_detonation
 
    !> Assign to explosives the detonations that reach them, and warn of explosives without a

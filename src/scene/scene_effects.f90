@@ -4,7 +4,7 @@
 module scene_effects
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, key_t, kind_logical, kind_real, schema_t
    use io_motion, only: of_gravity
    use scene_dimension, only: axis_names, check_plane
    use scene_motion_table, only: read_motion_table
@@ -15,10 +15,6 @@ module scene_effects
 
    public :: check_effects, declare_effects, effects_text, read_effects
 
-   integer, parameter :: switches = 9 !! Effects that can be on; `rate` is a part of laws
-   character(len=20), parameter :: switch_names(switches) = [character(len=20) :: "strength", &
-      "eos", "artificial_viscosity", "gravity", "damage", "size_scatter", "voids", "thermal", &
-      "melting"]
    integer, parameter :: models = 4                  !! Keys of &material that choose one
    character(len=20), parameter :: model_names(models) = [character(len=20) :: &
       "strength_model", "eos_model", "damage_model", "conductivity"]
@@ -45,6 +41,10 @@ contains
          "contact between bodies: each body has its own velocity field", default=".false.")
       call schema%logical("effects", "erosion", "failed particles are removed and recorded", &
          default=".false.", owner="effects.damage")
+      call schema%allow_change("effects", "gravity gravity_vector gravity_table damping erosion", &
+         changes_physics)
+      call schema%forbid_change("effects", "contact", "the particles of the checkpoint are "// &
+         "stored by velocity fields")
    end subroutine declare_effects
 
    !> Check that gravity has no component outside of the directions of the scene.
@@ -99,15 +99,16 @@ contains
    !> The effects that are on, then the models of each material, all with their reasons. Their costs
    !! are in doc/reference/effects.md; the fields that they add are listed with their bytes
    !! elsewhere.
-   function effects_text(deck) result(text)
+   function effects_text(schema, deck) result(text)
+      type(schema_t), intent(in) :: schema           !! Declares the effects
       type(deck_t), intent(in) :: deck               !! Read and checked
       character(len=:), allocatable :: text, named, usual
       type(group_t) :: group
       integer :: n
 
       group = deck%group("effects", 1)
-      named = switches_on(group, .true.)
-      usual = switches_on(group, .false.)
+      named = effects_on(schema, group, .true.)
+      usual = effects_on(schema, group, .false.)
       text = "effects    "
       if (len(named) > 0) text = text//"by the deck: "//named
       if (len(named)*len(usual) > 0) text = text//"; "
@@ -121,25 +122,41 @@ contains
          new_line("a")
    end function effects_text
 
-   !> Names of the effects that are on: either those that the deck gives, or those that are on by
-   !! default.
-   function switches_on(group, named) result(text)
+   !> Names of the effects that are on, in the order of their declaration: either those that the
+   !! deck gives, or those that are on by default.
+   function effects_on(schema, group, named) result(text)
+      type(schema_t), intent(in) :: schema
       type(group_t), intent(in) :: group             !! &effects
       logical, intent(in) :: named                   !! Only effects that the deck gives?
       character(len=:), allocatable :: text
-      logical :: on
-      integer :: n
+      integer :: n, rule
 
       text = ""
-      do n = 1, switches
-         if (group%given(trim(switch_names(n))) .neqv. named) cycle
-         if (.not. group%known(trim(switch_names(n)))) cycle
-         call group%get(trim(switch_names(n)), on)
-         if (.not. on) cycle
-         if (len(text) > 0) text = text//", "
-         text = text//trim(switch_names(n))
+      rule = schema%find("effects")
+      do n = 1, size(schema%groups(rule)%keys)
+         associate (key => schema%groups(rule)%keys(n))
+            if (.not. group%known(key%name)) cycle
+            if (group%given(key%name) .neqv. named) cycle
+            if (.not. is_on(key, group)) cycle
+            if (len(text) > 0) text = text//", "
+            text = text//key%name
+         end associate
       end do
-   end function switches_on
+   end function effects_on
+
+   !> Is a key of &effects an effect that is on? Switches are effects, and so are numbers that do
+   !! not belong to a switch, unless they are 0.
+   logical function is_on(key, group) result(on)
+      type(key_t), intent(in) :: key                 !! Applies in this deck
+      type(group_t), intent(in) :: group             !! &effects
+      real(wp) :: rate
+
+      on = .false.
+      if (key%kind == kind_logical) call group%get(key%name, on)
+      if (key%kind /= kind_real .or. size(key%owners) > 0) return
+      call group%get(key%name, rate)
+      on = abs(rate) > 0.0_wp
+   end function is_on
 
    !> The models of a material.
    function material_line(group, effects) result(text)

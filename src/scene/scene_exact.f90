@@ -40,6 +40,7 @@ contains
          call choose_exact(exact_names(n), solution)
          call solution%declare(schema)
       end do
+      call schema%forbid_change("exact", "*", "the first state of the run followed this solution")
    end subroutine declare_exact
 
    !> Read the solution, if there is one, and check that it fits the scene.

@@ -34,6 +34,8 @@ contains
          "cells along the edge of a tile, 0 = automatic; at most 16 in 3-D", default="0", &
          range=">= 0 <= 64")
       call schema%require("grid", "lo hi")
+      call schema%forbid_change("grid", "*", "the particles of the checkpoint belong to the "// &
+         "cells of this grid")
    end subroutine declare_grid
 
    !> Check corners and cells.

@@ -5,7 +5,7 @@ module scene_inflow
    use base_deck, only: deck_t, group_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use base_text, only: brief
    use io_motion, only: of_velocities
    use mesh_boundary_catalogue, only: choose_boundary
@@ -48,6 +48,9 @@ contains
          unit="s", range="> 0")
       call schema%require("inflow", "body velocity")
       call schema%refer("inflow", "body", "body")
+      call schema%allow_change("inflow", "# table", changes_physics)
+      call schema%forbid_change("inflow", "body + -", "an inflow repeats the first "// &
+         "particles of its body")
    end subroutine declare_inflow
 
    !> Read the inflows, set the velocities of their bodies, and prescribe those of the nodes around

@@ -4,7 +4,7 @@ module scene_load
    use base_constants, only: symmetric
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use base_text, only: text_t
    use mesh_motion, only: motion_t
    use mesh_surface_load, only: surface_load_t
@@ -37,6 +37,7 @@ contains
          "times, interpolated linearly, constant before and after; default: 1 at all times")
       call schema%refer("load", "bodies", "body")
       call schema%refer("load", "region", "region")
+      call schema%allow_change("load", "* + -", changes_physics)
    end subroutine declare_load
 
    !> Read all loads.

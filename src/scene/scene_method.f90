@@ -3,7 +3,7 @@
 module scene_method
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use base_text, only: brief
    use ddmp_alpha, only: alpha_names
    use ddmp_catalogue, only: quadrature_names
@@ -64,6 +64,18 @@ contains
          "particles of a material in a cell have a common mean dilatation and pressure", &
          default="none", words="none bbar")
       call declare_shocks(schema)
+      call declare_split(schema)
+      call schema%allow_change("method", "# transfer order_k alpha blend free_surface "// &
+         "normalise turn_from antilock viscosity_limiter split split_what split_max", &
+         changes_physics)
+      call schema%forbid_change("method", "basis paper quadrature stress_update", &
+         "the fields and velocities of the checkpoint belong to this scheme")
+   end subroutine declare_method
+
+   !> Declare the splitting of particles.
+   subroutine declare_split(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
       call schema%logical("method", "split", "halve particles that have become long, so that "// &
          "stretched material stays connected; default: .true. where all material is gas with "// &
          "normalised sums, and for gases alone where a scene has gases and other material", &
@@ -77,7 +89,7 @@ contains
       call schema%integer("method", "split_max", &
          "greatest number of times that a particle and its parts are halved", default="10", &
          range="> 0 <= 20", owner="split")
-   end subroutine declare_method
+   end subroutine declare_split
 
    !> Declare the keys of the strain update and of the rotation of particles.
    subroutine declare_strain(schema)

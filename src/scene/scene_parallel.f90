@@ -3,7 +3,7 @@
 !! MPI library for files.
 module scene_parallel
    use base_deck, only: deck_t, group_t
-   use base_schema, only: schema_t
+   use base_schema, only: changes_nothing, schema_t
    use base_text, only: append, text_t
    use step_load_balance, only: balancing_t
    implicit none
@@ -34,6 +34,7 @@ contains
          "several ranks: auto (by file system), none, or pairs name=value in addition to "// &
          "those of auto", &
          default="auto")
+      call schema%allow_change("parallel", "*", changes_nothing)
    end subroutine declare_parallel
 
    !> Check the group.

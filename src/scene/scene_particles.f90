@@ -23,7 +23,7 @@ module scene_particles
    use step_normalised_sums, only: choose_normalised
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles, sort_particles
-   use step_time_step, only: greatest_diffusivity, limit_step
+   use step_time_step, only: find_stable_step, greatest_diffusivity
    implicit none
    private
 
@@ -444,7 +444,7 @@ contains
    !> Stable time step for the initial state [s].
    subroutine first_step(simulation)
       type(simulation_t), intent(inout) :: simulation
-      real(wp) :: fastest, signal, greatest, speed
+      real(wp) :: diffusivity, fastest, signal, greatest, speed
       integer :: index, tile, p
 
       fastest = 0.0_wp
@@ -464,13 +464,11 @@ contains
          end associate
       end do
       fastest = simulation%machine%communicator%maximum(fastest)
-      simulation%clock%dt_next = huge(1.0_wp)
-      if (fastest > 0.0_wp) &
-         simulation%clock%dt_next = &
-            simulation%scheme%method%cfl*simulation%space%grid%spacing &
-            /simulation%space%mesh_time(fastest)
-      if (allocated(simulation%effects%conduction)) call limit_step(simulation, &
-         simulation%machine%communicator%maximum(greatest_diffusivity(simulation)))
+      diffusivity = 0.0_wp
+      if (allocated(simulation%effects%conduction)) diffusivity = &
+         simulation%machine%communicator%maximum(greatest_diffusivity(simulation))
+      call find_stable_step(simulation%space, simulation%scheme%method%cfl, fastest, diffusivity, &
+         simulation%clock%dt_next, simulation%clock%guard%rule)
       if (allocated(simulation%space%cell)) call start_cell(simulation, &
          simulation%machine%communicator%maximum(greatest))
    end subroutine first_step

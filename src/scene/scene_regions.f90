@@ -4,7 +4,7 @@ module scene_regions
    use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_nothing, changes_physics, schema_t
    use base_text, only: text_t
    use mesh_grid, only: grid_t
    use particle_shape, only: box, combine, cylinder, rotation_matrix, set_difference, &
@@ -85,6 +85,22 @@ contains
          owner="shape = cylinder cone")
       call schema%text("region", "of(:8)", &
          "regions of the set operation; difference: the first without the others", owner=sets)
+      call declare_placing(schema)
+      call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
+         "normal polygon file height of")
+      call schema%refer("region", "of", "region")
+      call schema%forbid_change("region", "*", "bodies were filled and walls are placed by it; "// &
+         "add a region of another name")
+      ! a region has an effect only through the group that names it
+      call schema%allow_change("region", "+ -", changes_nothing)
+      ! contents of files are not compared, only paths
+      call schema%allow_change("region", "file", changes_physics)
+   end subroutine declare_region
+
+   !> Declare how the shape of a region is placed.
+   subroutine declare_placing(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
       call schema%real("region", "scale", "scale factor, applied first", default="1.0", range="> 0")
       call schema%real("region", "rotate(3)", &
          "rotation angles about x, then y, then z, applied second", unit="deg", default="0 0 0")
@@ -93,10 +109,7 @@ contains
          default="origin", words="origin centre")
       call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
          default="0 0 0")
-      call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
-         "normal polygon file height of")
-      call schema%refer("region", "of", "region")
-   end subroutine declare_region
+   end subroutine declare_placing
 
    !> All regions.
    subroutine check_regions(deck)

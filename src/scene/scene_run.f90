@@ -2,7 +2,7 @@
 !> The groups &run and &units: their keys, and the defaults that depend on the name of the deck.
 module scene_run
    use base_deck, only: deck_t, group_t
-   use base_schema, only: schema_t
+   use base_schema, only: changes_extent, changes_nothing, schema_t
    use base_text, only: number
    use base_units, only: system_names
    use base_version, only: version_text
@@ -37,6 +37,9 @@ contains
       call schema%explain_range("run", "deck_version", "scree "//version_text//" "// &
          "supports decks up to deck_version "//number(deck_version)//"; use a later scree "// &
          "for this deck")
+      call schema%allow_change("run", "title case deck_version", changes_nothing)
+      call schema%forbid_change("run", "dimension method", "the particles of the checkpoint "// &
+         "have the fields of this choice")
    end subroutine declare_run
 
    !> Declare &units.
@@ -52,6 +55,9 @@ contains
          "unit", default="si", &
          words="deck")
       call schema%words("units", "output_units", system_names)
+      ! the echo of a deck is always in SI
+      call schema%allow_change("units", "system", changes_nothing)
+      call schema%allow_change("units", "output_units", changes_extent)
    end subroutine declare_units
 
    !> The case is part of file names. Without one it is the name of the deck.

@@ -6,7 +6,7 @@ module scene_time
    use base_deck, only: deck_t, group_t
    use base_deck_group, only: unset_integer
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_end, changes_extent, changes_nothing, changes_physics, schema_t
    use step_bounds, only: bounds_t
    implicit none
    private
@@ -75,6 +75,11 @@ contains
          "fraction of the greatest kinetic energy; balanced: unbalanced force over the force "// &
          "of stress", range="> 0", owner="stop_when = kinetic_below at_rest balanced")
       call schema%require("time", "t_end stop_value")
+      call schema%allow_change("time", "t_end max_steps stop_when stop_value", changes_end)
+      call schema%allow_change("time", "dt_min dt_collapse speed_max volume_ratio_min "// &
+         "volume_ratio_max on_bad retire_max", changes_extent)
+      call schema%allow_change("time", "cfl dt_max dt_fixed strain_max retry", changes_physics)
+      call schema%allow_change("time", "wall_limit", changes_nothing)
    end subroutine declare_time
 
    !> Steps and limits of time.
@@ -125,6 +130,7 @@ contains
       call group%get("dt_min", number)
       if (number > unset) bounds%dt_min = number
       call group%get("dt_fixed", number)
+      if (number > unset) bounds%dt_fixed = number
       call group%get("retry", bounds%dt_free)
       if (number > unset) bounds%dt_free = .false.
       call group%get("on_bad", word)

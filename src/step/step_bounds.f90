@@ -38,6 +38,7 @@ module step_bounds
       real(wp) :: strain_max = sqrt(huge(1.0_wp))    !! Greatest dt |grad v| of a step [1]
       real(wp) :: collapse = 0.0_wp                  !! Least step over the longest so far [1]
       real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
+      real(wp) :: dt_fixed = 0.0_wp                  !! Fixed step, 0 = none [s]
       logical :: dt_free = .true.                    !! May a step be shortened?
       logical :: retire = .false.                    !! Are bad particles removed?
       real(wp) :: retire_max = 0.0_wp !! Greatest fraction of the mass that may be retired [1]

@@ -11,8 +11,8 @@ module step_offending_particle
    implicit none
    private
 
-   public :: name_offending_particle, name_limiting, name_particle, replay_text, spread, &
-      step_text, tile_bounds
+   public :: fixed_step_text, name_offending_particle, name_limiting, name_particle, replay_text, &
+      spread, step_text, tile_bounds
 
    !> A particle of this rank, or none.
    type :: found_t
@@ -59,8 +59,26 @@ contains
       end if
       call spread(simulation, text)
       if (len(text) == 0) text = "a wave speed is not a finite number"
-      text = step_text(simulation%clock)//": "//text//new_line("a")//replay_text(simulation)
+      text = step_text(simulation%clock)//": "//text//fixed_step_text(simulation)//new_line("a")// &
+         replay_text(simulation)
    end subroutine name_offending_particle
+
+   !> If `dt_fixed` is longer than the stable step, a hint that it may be the cause.
+   function fixed_step_text(simulation) result(text)
+      type(simulation_t), intent(in) :: simulation   !! Just after the step
+      character(len=:), allocatable :: text
+      character(len=240) :: line
+
+      text = ""
+      associate (fixed => simulation%clock%guard%bounds%dt_fixed, &
+         stable => simulation%clock%dt_next)
+         if (.not. (fixed > stable .and. stable > 0.0_wp)) return
+         write (line, "(a,es10.3,a,es9.2,a,es10.3,a,f5.2,a)") "dt_fixed =", fixed, " s is", &
+            fixed/stable, " times the stable step before,", stable, " s with cfl =", &
+            simulation%scheme%method%cfl, "; write that or less, or remove dt_fixed"
+      end associate
+      text = new_line("a")//trim(line)
+   end function fixed_step_text
 
    !> How to get the state before the last step. The program does not store it, because this would
    !! double the memory; a repeated run gives the same bits.

@@ -11,7 +11,7 @@ module step_time_step
    implicit none
    private
 
-   public :: finish_step, conduction_step, greatest_diffusivity, limit_step
+   public :: finish_step, conduction_step, find_stable_step, greatest_diffusivity
 
 contains
 
@@ -58,8 +58,8 @@ contains
       if (retired) call check_retired(simulation%clock, simulation%balance, simulation%machine, &
          error)
       if (allocated(error)) return
-      call set_next_step(simulation%space, simulation%scheme, simulation%clock, fastest, rate)
-      if (allocated(simulation%effects%conduction)) call limit_step(simulation, diffusivity)
+      call set_next_step(simulation%space, simulation%scheme, simulation%clock, fastest, &
+         diffusivity, rate)
    end subroutine finish_step
 
    !> Steepest velocity gradient of all threads, and the identity of its particle.
@@ -84,19 +84,6 @@ contains
       end associate
       rate = sqrt(most)
    end subroutine find_rate
-
-   !> Let conduction of heat limit the next time step.
-   subroutine limit_step(simulation, diffusivity)
-      type(simulation_t), intent(inout) :: simulation !! Some material conducts
-      real(wp), intent(in) :: diffusivity            !! Greatest of all ranks [m2/s]
-      real(wp) :: dt
-
-      dt = conduction_step(simulation%space%grid%spacing, simulation%space%grid%dimensions, &
-         diffusivity)
-      if (.not. dt < simulation%clock%dt_next) return
-      simulation%clock%guard%rule = rule_conduction
-      simulation%clock%dt_next = dt
-   end subroutine limit_step
 
    !> Agree with the other ranks on the fastest signal and on requests: the only point in a step
    !! where all ranks wait for each other.
@@ -130,21 +117,19 @@ contains
    end subroutine agree
 
    !> Stable time step for the fastest signal and the steepest gradient, not growing too fast.
-   !! Equations (S.1) and (S.3) of doc/theory/time_step.md.
-   pure subroutine set_next_step(space, scheme, clock, fastest, rate)
+   !! Equation (S.3) of doc/theory/time_step.md.
+   pure subroutine set_next_step(space, scheme, clock, fastest, diffusivity, rate)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(clock_t), intent(inout) :: clock
       real(wp), intent(in) :: fastest                !! Fastest signal and motion [m/s]
+      real(wp), intent(in) :: diffusivity            !! Greatest of all particles [m2/s]
       real(wp), intent(in) :: rate                   !! Steepest velocity gradient [1/s]
       real(wp) :: dt, grown
 
       associate (guard => clock%guard)
-         dt = huge(dt)
-         guard%rule = rule_signal
          guard%rate = rate
-         if (fastest > 0.0_wp) dt = scheme%method%cfl*space%grid%spacing &
-            /space%mesh_time(fastest)
+         call find_stable_step(space, scheme%method%cfl, fastest, diffusivity, dt, guard%rule)
          if (rate*dt > guard%bounds%strain_max) then
             dt = guard%bounds%strain_max/rate
             guard%rule = rule_strain
@@ -154,6 +139,26 @@ contains
          clock%dt_next = min(dt, grown)
       end associate
    end subroutine set_next_step
+
+   !> Stable time step for the fastest signal on the mesh, and for conduction of heat: that of the
+   !! first step, of all later ones, and of `--check`. Equation (S.1) of doc/theory/time_step.md.
+   pure subroutine find_stable_step(space, courant, fastest, diffusivity, dt, rule)
+      type(space_t), intent(in) :: space
+      real(wp), intent(in) :: courant                !! Courant number of the signal
+      real(wp), intent(in) :: fastest                !! Fastest signal and motion [m/s]
+      real(wp), intent(in) :: diffusivity            !! Greatest of all particles [m2/s]
+      real(wp), intent(out) :: dt                    !! [s]
+      integer, intent(out) :: rule                   !! What limits it
+      real(wp) :: longest
+
+      dt = huge(dt)
+      rule = rule_signal
+      if (fastest > 0.0_wp) dt = courant*space%grid%spacing/space%mesh_time(fastest)
+      longest = conduction_step(space%grid%spacing, space%grid%dimensions, diffusivity)
+      if (.not. longest < dt) return
+      dt = longest
+      rule = rule_conduction
+   end subroutine find_stable_step
 
    !> Greatest time step that conduction allows [s]: half of the square of the spacing over the
    !! diffusivity and the number of directions. Equation (A.16) of

@@ -17,7 +17,8 @@ module step_trust
    use step_diagnostics, only: bounds_sample_t, examine_bounds, examine_shapes, find_greatest, &
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_sample_t
    use step_ledger, only: balance_t, external_work, internal, mass, retired_mass, torque
-   use step_offending_particle, only: name_particle, step_text
+   use step_method, only: method_t
+   use step_offending_particle, only: fixed_step_text, name_particle, step_text
    use step_simulation, only: conservation_t, machine_t, scheme_t, simulation_t
    use io_trust_record, only: apart, trust_angular, trust_bad, trust_damped, trust_energy, &
       trust_heat, trust_momentum, trust_noise, trust_ok, trust_retired, trust_speed, &
@@ -321,7 +322,9 @@ contains
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_speed, &
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
-               "try a smaller cfl or more particles per cell (ppc)")
+               "try a smaller "//trim(merge("dt_fixed", "cfl     ", &
+               simulation%clock%guard%bounds%dt_fixed > 0.0_wp))// &
+               " or more particles per cell (ppc)")
          end if
          if (.not. warns(trust, trust_heat, trust_bad)) return
          if (trust%worst(trust_heat) > 0.0_wp) then
@@ -444,12 +447,12 @@ contains
          available = start%total - min(0.0_wp, trust%least_energy)*start%entry(mass) + trust%work
          if (.not. available > 0.0_wp .or. sample%energy <= margin*available) return
          call name_particle(simulation, find_greatest(simulation%materials, simulation%stores, &
-            simulation%machine, measure_energy, &
-            trust%least_energy), who)
+            simulation%machine, measure_energy, trust%least_energy), who)
          write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", sample%energy, &
             " J, more than the energy of the whole run,", available, " J"
       end associate
-      call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))
+      call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text)// &
+         fixed_step_text(simulation))
    end subroutine refuse_impossible
    !> True if a material has a temperature and no internal energy, while others have one. Heat that
    !! is conducted between them is not in the energy balance.

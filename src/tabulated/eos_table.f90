@@ -8,7 +8,7 @@ module eos_table
    use base_deck_group, only: group_t
    use base_error, only: error_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use base_schema, only: changes_physics, schema_t
    use base_text, only: brief, number
    use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
@@ -56,9 +56,13 @@ contains
       call schema%text("material", "eos_table", "file of the equation of state: lines of "// &
          "density, temperature, pressure and energy in SI units; path relative to the deck", &
          owner=owner)
+      ! contents of files are not compared, only paths
+      call schema%allow_change("material", "eos_table", changes_physics)
       call schema%real("material", "table_temperature", "temperature of the reference state, "// &
          "for the bulk modulus; also the initial temperature of bodies without &effects thermal", &
          unit="K", default="293", range=">= 0", owner=owner)
+      call schema%forbid_change("material", "table_temperature", "it gave the particles their "// &
+         "first energy")
       call schema%require("material", "eos_table")
    end subroutine table_declare
 

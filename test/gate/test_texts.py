@@ -3,7 +3,7 @@
 """Rules for all text files: form, licence, no leftovers.
 
 Would catch a file without a licence line, a line that is wider than a screen, a line pasted twice, and a path that
-exists on one machine only.
+exists on one machine only, and a command that would install the package of somebody else.
 """
 
 import re
@@ -44,6 +44,16 @@ class TestTextGate:
                 if len(line) > limit:
                     offences.append(f"{place(path, number)} has {len(line)} columns")
         self.none(offences)
+
+    def test_package_index(self):
+        """The name scree belongs to somebody else at the Python Package Index: no page may tell users to install it."""
+        foreign = re.compile(r"pip\d? install (?:-\S+ )*['\"]?scree(?![\w.]*[/_-])\b")
+        assert foreign.search("pip install " + "scree") and foreign.search("pip install -U '" + "scree[movie]'")
+        assert not foreign.search("pip install scree_mpm-0.1.0-py3-none-any.whl")
+        self.none([place(path, number) for path in ALL for number, line in enumerate(lines_of(path), 1)
+                   if foreign.search(line)])
+        project = (ROOT / "python/pyproject.toml").read_text(encoding="utf-8")
+        assert re.search(r'^name = "scree-mpm"$', project, re.M)
 
     def test_blanks(self):
         offences = []

@@ -76,7 +76,7 @@ def test_stops(options, sheet, kind):
     for ranks, threads in ((1, 1), (2, 2)):
         run = case.Case(options, f"{kind}_{ranks}_{threads}",
                         DECK.format(time=time, law=law, checkpoint=""), ranks, threads)
-        run.run("-q", expect=4)
+        run.run("-q", "--force", expect=4)
         texts.append(message(run))
     sheet.require(all(text == texts[0] for text in texts), f"{kind}: same words: {texts}")
     text = " ".join(texts[0])
@@ -101,18 +101,18 @@ def test_state_before(options, sheet):
     """Valid checkpoints are kept, and the same run up to the step before reproduces that state."""
     run = case.Case(options, "before", DECK.format(
         time=UNSTABLE + " speed_max=1e6", law="elastic", checkpoint="dt=0.08 keep=1"))
-    run.run("-q", expect=4)
+    run.run("-q", "--force", expect=4)
     steps = run.summary["steps"]
     kept = sorted(run.folder.glob("*_chk_*.h5"))
     sheet.require(len(kept) == 1 and steps > 2, f"before: a checkpoint, stopped at step {steps}")
     text = message(run)
     sheet.require(f"time.max_steps={steps - 1}" in text[-1], f"before: says how: {text}")
-    run.run("-q", "--restart", "-s", f"time.max_steps={steps - 1}")
+    run.run("-q", "--force", "--restart", "-s", f"time.max_steps={steps - 1}")
     sheet.require(run.summary["steps"] == steps - 1, "before: the state before the step")
     sheet.below("before: greatest speed over the bound", run.summary["extremes"]["speed_max"] / 1e6,
                 1.0)
     sheet.require(len(list(run.folder.glob("*_chk_*.h5"))) == 1, "before: it is a checkpoint")
-    run.run("-q", "--restart", expect=4)
+    run.run("-q", "--force", "--restart", expect=4)
     sheet.require(message(run) == text, f"before: the step fails again alike: {message(run)}")
 
 

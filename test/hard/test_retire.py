@@ -115,7 +115,7 @@ def test_not_finite(options, sheet):
     """A NaN stops the run even if particles are retired."""
     deck = STREAMS.format(method="ddmp", matter=ELASTIC, thermal=".false.", checkpoint="",
                           time="dt_fixed=0.2 dt_collapse=0 on_bad='retire' retire_max=1")
-    run = case.Case(options, "not_finite", deck).run("-q", "-s", "time.volume_ratio_min=0",
+    run = case.Case(options, "not_finite", deck).run("-q", "--force", "-s", "time.volume_ratio_min=0",
                                                      "-s", "time.t_end=100", expect=None)
     sheet.require(run.code == 4 and "not a finite number" in run.output or run.code == 0
                   and run.summary["particles"] == 0, f"not finite: stops: {run.output}")

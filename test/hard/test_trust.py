@@ -137,7 +137,7 @@ def test_impossible(options, sheet):
     words = []
     for ranks, threads in ((1, 1), (2, 2)):
         run = case.Case(options, f"jet_{ranks}_{threads}", JET, ranks, threads)
-        run.run("-q", expect=4)
+        run.run("-q", "--force", expect=4)
         words.append([line for sign in SIGNS.values() for line in warnings(run, sign)])
         sheet.require(run.summary["trust"]["verdict"] == "bad", "jet: bad")
         sheet.require(run.summary["trust"]["heat"]["verdict"] == "bad", f"jet: heat is bad: {run.summary['trust']}")

@@ -39,7 +39,8 @@ REFUSED = [
     ("&body 'one' velocity = 2.0, 0.0, 0.0, was 1.0, 0.0, 0.0", "velocity=1,0,0", "velocity=2,0,0"),
     ("&region 'low' hi = 0.4, 1.0, 0.5, was 0.5, 1.0, 0.5", "hi=0.5,1,0.5", "hi=0.4,1,0.5"),
     ("&contact law = 'stick', was 'friction'", "'two'  friction=0.2", "'two'  law='stick'"),
-    ("&effects rate = .false., was .true.", "contact=.true. /", "contact=.true.  rate=.false. /"),
+    ("&effects damage = .true., was .false.: it decides which fields the particles of the checkpoint have",
+     "contact=.true. /", "contact=.true.  damage=.true. /"),
     ("&body 'three' is new", "&contact", "&region name='far' shape='box' lo=0.7,0,0.7 hi=0.9,1,0.9 /\n"
      "&body name='three' region='far' material='metal' /\n&contact"),
 ]

@@ -23,23 +23,26 @@ DECK = """
 &body  name='b'  region='b'  material='water' /
 &checkpoint  at_end=.false. /
 """
-ALL = "damage=.true. size_scatter=.true. voids=.true. thermal=.true. melting=.true. gravity=.true."
+ALL = ("damage=.true. size_scatter=.true. voids=.true. thermal=.true. melting=.true. gravity=.true. erosion=.true. "
+       "damping=1")
 METAL = ("strength_model='von_mises' yield=1e3 damage_model='principal_stress' failure_stress=1e5 weibull_m=7 "
          "specific_heat=500 t_melt=900 conductivity=10")
 ROWS = ("strength", "eos", "voids", "damage", "thermal", "artificial_viscosity", "heat conduction", "contact")
 PHASES = ("sort, move tiles", "points to nodes", "exchange", "waiting for ranks", "grid", "nodes to points")
-ON = (ROWS[:2] + ROWS[5:6], ROWS[:2], ROWS[:7])                    # of the three decks
+ON = (ROWS[:2] + ROWS[5:6], ROWS[:2], ROWS[:7], ROWS[:2] + ROWS[5:6] + ROWS[7:])   # of the decks
 CASES = (  # effects, metal, water, lines
-    ("", "", "elastic='none'", ["effects    by default: strength, eos, artificial_viscosity",
+    ("", "", "elastic='none'", ["effects    by default: strength, eos, artificial_viscosity, rate",
      "           metal: strength_model elastic (default), eos_model linear (default)",
      "           water: eos_model linear (default)"]),
     ("artificial_viscosity=.false. gravity=.true. eos=.true.", "strength_model='neo_hookean'", "elastic='none'",
-     ["effects    by the deck: eos, gravity; by default: strength",
+     ["effects    by the deck: gravity, eos; by default: strength, rate",
       "           metal: strength_model neo_hookean, eos_model linear (default)"]),
     (ALL, METAL, "elastic='none' specific_heat=4000 eos_model='tait' tait_n=7 t_melt=373",
-     ["effects    by the deck: gravity, damage, size_scatter, voids, thermal, melting; by default: strength, eos, "
-      "artificial_viscosity", "           metal: strength_model von_mises, eos_model linear (default), damage_model "
-      "principal_stress, conductivity on", "eos_model tait"]),
+     ["effects    by the deck: gravity, damping, erosion, damage, size_scatter, voids, thermal, melting; by "
+      "default: strength, eos, artificial_viscosity, rate", "           metal: strength_model von_mises, eos_model "
+      "linear (default), damage_model principal_stress, conductivity on", "eos_model tait"]),
+    ("contact=.true. damping=0 rate=.true.", "", "elastic='none'",
+     ["effects    by the deck: contact, rate; by default: strength, eos, artificial_viscosity\n"]),
 )
 
 

@@ -87,7 +87,7 @@ def test_installation(options, sheet):
     sheet.require(answer.returncode == 0 and answer.stdout.splitlines() == [str(place / "scree"), "True", *there],
                   f"the installed package: {answer.stdout}")
     sheet.require((place / "bin/scree-post").exists(), "the command scree-post is installed")
-    (metadata,) = place.glob("scree-*.dist-info")
+    (metadata,) = place.glob("scree_mpm-*.dist-info")
     said = subprocess.run([str(options.scree), "--version"], text=True, check=True, stdout=subprocess.PIPE).stdout
     sheet.require(f"-{said.split()[1]}." in metadata.name, f"version of the package: {metadata.name}, of {said}")
     licence = (case.ROOT / "LICENSE").read_text(encoding="utf-8")

@@ -105,7 +105,7 @@ class TestRelease:
             commit = archive.extractfile(f"scree-{VERSION}/cmake/commit.txt").read().decode()
         assert set(run("git", "ls-files", folder=clone).split("\n")) - {""} <= names
         assert f"commit: {run('git', 'rev-parse', 'HEAD', folder=clone).strip()}\n" in commit
-        with zipfile.ZipFile(release[0] / f"scree-{VERSION}-py3-none-any.whl") as wheel:
+        with zipfile.ZipFile(release[0] / f"scree_mpm-{VERSION}-py3-none-any.whl") as wheel:
             assert {"scree/__init__.py", "scree_post/command.py"} <= set(wheel.namelist())
 
     def test_not_committed(self, clone, options):

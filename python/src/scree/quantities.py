@@ -31,7 +31,7 @@ EXTENTS = ("length", "width", "radius", *(f"{side}_{axis}" for side in ("front",
 
 def history_of(run: Run) -> pandas.DataFrame | None:
     """The first history, or None if the deck requests none."""
-    return run.history if any(key.startswith("history") for key in run.summary.get("files", {})) else None
+    return run.history if run.history_name else None
 
 
 def last_snapshot(run: Run) -> Snapshot | None:

@@ -125,13 +125,21 @@ class Run:
 
     @property
     def history(self) -> pandas.DataFrame:
-        """The first history."""
+        """The first history, also where other tables, such as gauges, come before it in the deck."""
+        name = self.history_name
+        if name is None:
+            raise FileProblem(f"{self.folder} holds no history of '{self.case}'; its tables are: "
+                              f"{', '.join(self.tables) or 'none'}; add &output kind = 'history' to the deck")
+        return self.tables[name]
+
+    @property
+    def history_name(self) -> str | None:
+        """Name of the first history in `tables`, None if the run wrote none."""
         listed = self.summary.get("files", {}) if self.path(".summary.json").exists() else {}
-        name = next((listed[key] for key in sorted(listed) if key.startswith("history")), None)
-        table = str(name)[len(self.case) + 1:-4] if name else "history"
-        if table not in self.tables:
-            raise FileProblem(f"{self.folder} holds no history: add &output kind = 'history' to the deck")
-        return self.tables[table]
+        # older versions listed all tables as history_N: the name of the file tells the kind
+        files = [str(file) for file in listed.values()] or [f"{self.case}_history.csv"]
+        names = [file[len(self.case) + 1:-len(".csv")] for file in files if file.endswith("_history.csv")]
+        return next((name for name in names if name in self.tables), None)
 
     @property
     def fragments(self) -> pandas.DataFrame | None:
