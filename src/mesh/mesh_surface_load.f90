@@ -19,9 +19,18 @@ module mesh_surface_load
    implicit none
    private
 
-   public :: add_loads, mark_tile, surface_load_t, set_loads, turn_marks
+   public :: add_loads, hold_t, mark_tile, surface_load_t, set_loads, turn_marks
 
    integer, parameter, public :: mark_columns = 4    !! Of f and its gradient, for each load
+
+   !> What keeps the resultants of a load on a closed surface at zero: the force density
+   !! |grad f| (a + b x (x - c)). Equation (O.5) of doc/theory/instruments.md.
+   type :: hold_t
+      logical :: closed = .false.                    !! Has the load no resultants at the start?
+      real(wp) :: push(3) = 0.0_wp                   !! a, at a factor of 1 [Pa]
+      real(wp) :: turn(3) = 0.0_wp                   !! b, at a factor of 1 [Pa/m]
+      real(wp) :: centre(3) = 0.0_wp                 !! c [m]
+   end type hold_t
 
    !> A load.
    type :: surface_load_t
@@ -33,6 +42,7 @@ module mesh_surface_load
       !> Its place among the loads whose function is stored by the particles, 0 = the region is
       !! fixed in space
       integer :: slot = 0
+      type(hold_t) :: hold                           !! Of a load on a closed surface
       integer(int64), allocatable :: bodies(:)       !! Bodies on which the load acts, if not on all
    end type surface_load_t
 
@@ -108,6 +118,11 @@ contains
                + tensor(yz)*slope(3)
             force(p, 3) = force(p, 3) + tensor(xz)*slope(1) + tensor(yz)*slope(2) &
                + tensor(zz)*slope(3)
+            if (loads(n)%hold%closed) then
+               point = loads(n)%factor*norm2(slope)*(loads(n)%hold%push + cross( &
+                  loads(n)%hold%turn, position(q, :) - loads(n)%hold%centre))
+               force(p, :) = force(p, :) + point
+            end if
          end do
       end do
    end subroutine add_loads
@@ -144,35 +159,66 @@ contains
    end subroutine mark_tile
 
    !> Transform the gradients with the deformation of a step: g <- (1 + G^T)^-1 g with the gradient
-   !! G of the displacement in it, so that g.dx of neighbouring particles does not change. Equation
-   !! (O.4) of doc/theory/instruments.md.
-   pure subroutine turn_marks(first, count, gradient, marks)
+   !! G of the displacement in it, the mean of the particles of the cell, so that g.dx of
+   !! neighbouring particles does not change. Equation (O.4) of doc/theory/instruments.md.
+   pure subroutine turn_marks(start, first, gradient, marks)
+      integer, intent(in) :: start(0:)               !! (cell) Particles in the cells up to it
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
-      integer, intent(in) :: count                   !! Particles of the tile
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1) [1]
       real(wp), contiguous, intent(in) :: gradient(:, :)
       real(wp), contiguous, intent(inout) :: marks(:, :) !! (particle, 4 slots)
-      real(wp) :: map(3, 3), normal(3, 3), ratio, slope(3)
-      integer :: p, q, k
+      real(wp) :: mean(9), normal(3, 3), ratio
+      integer :: cell, low, high, k
 
-      do p = 1, count
-         q = first + p - 1
-         if (all(abs(marks(q, :)) <= 0.0_wp)) cycle
-         map = reshape([1.0_wp + gradient(p, 1), gradient(p, 2), gradient(p, 3), gradient(p, 4), &
-            1.0_wp + gradient(p, 5), gradient(p, 6), gradient(p, 7), gradient(p, 8), &
-            1.0_wp + gradient(p, 9)], [3, 3])
-         normal(:, 1) = cross(map(:, 2), map(:, 3))
-         normal(:, 2) = cross(map(:, 3), map(:, 1))
-         normal(:, 3) = cross(map(:, 1), map(:, 2))
-         ratio = dot_product(map(:, 1), normal(:, 1))
-         if (.not. ratio > 0.0_wp) cycle
-         do k = 2, size(marks, 2), mark_columns
-            slope = [marks(q, k), marks(q, k + 1), marks(q, k + 2)]
-            marks(q, k:k + 2) = (normal(:, 1)*slope(1) + normal(:, 2)*slope(2) &
-               + normal(:, 3)*slope(3))/ratio
+      do cell = 1, ubound(start, 1)
+         low = start(cell - 1) + 1
+         high = start(cell)
+         if (high < low) cycle
+         if (all(abs(marks(first + low - 1:first + high - 1, :)) <= 0.0_wp)) cycle
+         do k = 1, 9
+            mean(k) = sum(gradient(low:high, k))/real(high - low + 1, wp)
          end do
+         call invert(mean, normal, ratio)
+         if (.not. ratio > 0.0_wp) cycle
+         call turn_cell(normal, first + low - 1, first + high - 1, marks)
       end do
    end subroutine turn_marks
+
+   !> (1 + G^T)^-1 and the determinant.
+   pure subroutine invert(gradient, inverse, ratio)
+      real(wp), intent(in) :: gradient(9)            !! Component (k, l) in k + 3 (l - 1) [1]
+      real(wp), intent(out) :: inverse(3, 3)         !! Only if the determinant is positive [1]
+      real(wp), intent(out) :: ratio                 !! Determinant of 1 + G [1]
+      real(wp) :: map(3, 3)
+      integer :: k
+
+      map = reshape(gradient, [3, 3])
+      do k = 1, 3
+         map(k, k) = map(k, k) + 1.0_wp
+      end do
+      inverse(:, 1) = cross(map(:, 2), map(:, 3))
+      inverse(:, 2) = cross(map(:, 3), map(:, 1))
+      inverse(:, 3) = cross(map(:, 1), map(:, 2))
+      ratio = dot_product(map(:, 1), inverse(:, 1))
+      if (ratio > 0.0_wp) inverse = inverse/ratio
+   end subroutine invert
+
+   !> Transform the gradients of the particles of a cell.
+   pure subroutine turn_cell(normal, low, high, marks)
+      real(wp), intent(in) :: normal(3, 3)           !! (1 + G^T)^-1 [1]
+      integer, intent(in) :: low, high               !! First and last particle in the arrays
+      real(wp), contiguous, intent(inout) :: marks(:, :) !! (particle, 4 slots)
+      real(wp) :: slope(3)
+      integer :: q, k
+
+      do k = 2, size(marks, 2), mark_columns
+         do q = low, high
+            slope = [marks(q, k), marks(q, k + 1), marks(q, k + 2)]
+            marks(q, k:k + 2) = normal(:, 1)*slope(1) + normal(:, 2)*slope(2) &
+               + normal(:, 3)*slope(3)
+         end do
+      end do
+   end subroutine turn_cell
 
    !> Cross product.
    pure function cross(a, b) result(product)

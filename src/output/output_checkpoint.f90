@@ -48,6 +48,8 @@ contains
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%clock%dt, simulation%clock%guard%longest])
       call state%set("space", space_of(simulation))
+      if (allocated(simulation%effects%loads)) call state%set("closed_loads", &
+         merge(1_int64, 0_int64, simulation%effects%loads%hold%closed))
       if (allocated(simulation%space%cell)) call state%set("cell", simulation%space%cell%pack())
       call checkpoint_write(simulation%machine%communicator, place, simulation%stores, state, error)
       if (.not. allocated(error)) place%number = place%number + 1
@@ -82,8 +84,7 @@ contains
       if (len(file) > 0) then
          path = file
          call checkpoint_read(simulation%machine%communicator, path, simulation%stores, state, &
-            error, &
-            place%echo, changes)
+            error, place%echo, changes)
       else
          call checkpoint_find(simulation%machine%communicator, place, simulation%stores, state, &
             path, &
@@ -119,11 +120,25 @@ contains
          if (allocated(error)) return
          call simulation%space%cell%unpack(length)
       end if
+      call resume_loads(simulation, state, error)
+      if (allocated(error)) return
       call outputs%load(state)
       call load_errors(simulation, state)
       call load_trust(simulation%balance%trust, state)
       call distribute_particles(simulation)
    end subroutine resume
+
+   !> Which loads act on closed surfaces.
+   subroutine resume_loads(simulation, state, error)
+      type(simulation_t), intent(inout) :: simulation
+      type(state_t), intent(in) :: state
+      type(error_t), allocatable, intent(out) :: error !! Not in the file
+      integer(int64), allocatable :: closed(:)
+
+      if (.not. allocated(simulation%effects%loads)) return
+      call state%get("closed_loads", closed, error)
+      if (.not. allocated(error)) simulation%effects%loads%hold%closed = closed > 0
+   end subroutine resume_loads
 
    !> Number the next checkpoint after all in the folder: a run that resumes from a given file
    !! keeps later ones.

@@ -24,8 +24,8 @@ contains
          store%extent)
       if (allocated(store%domain)) call stretch_domains(store%first(tile), store%count(tile), &
          gradient, store%domain)
-      if (allocated(store%origin%marks)) call turn_marks(store%first(tile), store%count(tile), &
-         gradient, store%origin%marks)
+      if (allocated(store%origin%marks)) call turn_marks(store%cell_start(:, tile), &
+         store%first(tile), gradient, store%origin%marks)
    end subroutine stretch_tile
 
    !> Stretch boxes (P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628). Equation

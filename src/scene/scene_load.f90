@@ -8,6 +8,7 @@ module scene_load
    use base_text, only: text_t
    use mesh_motion, only: motion_t
    use mesh_surface_load, only: mark_tile, surface_load_t
+   use particle_closed_loads, only: find_closed_loads
    use particle_fill, only: body_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
@@ -101,7 +102,7 @@ contains
       end do
    end subroutine read_one
 
-   !> Set the functions of the loads that follow the material, at the start.
+   !> Set the functions of the loads that follow the material, at the start. Collective.
    subroutine mark_particles(simulation)
       type(simulation_t), intent(inout) :: simulation !! With particles
       integer :: index, tile
@@ -117,6 +118,8 @@ contains
             end do
          end associate
       end do
+      call find_closed_loads(simulation%machine%communicator, simulation%space%grid, &
+         simulation%space%tiles%coordinate, simulation%stores, simulation%effects%loads)
    end subroutine mark_particles
 
    !> Do the bounding boxes of a body of a load and of its region overlap?

@@ -113,7 +113,7 @@ contains
    end subroutine record_tile
 
    !> Record impulse, its moment and work of the loads on surfaces, particle by particle, with the
-   !! gradient that is adjoint to the force. Equation (O.5) of doc/theory/instruments.md.
+   !! gradient that is adjoint to the force. Equation (O.6) of doc/theory/instruments.md.
    subroutine record_loads(simulation, scratch, store, tile, centre)
       type(simulation_t), intent(in) :: simulation   !! With loads
       !> Of this thread: particles located, and the gradient of the velocity times the kick
