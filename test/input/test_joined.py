@@ -41,21 +41,21 @@ def test_blocks(options, sheet, dimension):
         lines = [check(options, f"{method}_{rows}", rows, method, dimension) for rows in (0, 1, 2)]
         sheet.require(SHARE in lines[0], f"{method}: blocks that touch share nodes")
         sheet.require((APART in lines[1]) == (method == "ddmp"), f"{method}: the dual gradient alone bridges one row")
-        sheet.require("joined" not in lines[2], f"{method}: two rows apart")
+        sheet.require("joined     " not in lines[2], f"{method}: two rows apart")
 
 
 def test_other_packings(options, sheet):
     """Particles that are not on the lattice."""
     for packing in ("cut", "jitter", "poisson_disk"):
         sheet.require(SHARE in check(options, packing, 0, packing=f"packing='{packing}'"), f"{packing}: share nodes")
-        sheet.require("joined" not in check(options, f"{packing}_apart", 2, packing=f"packing='{packing}'"),
+        sheet.require("joined     " not in check(options, f"{packing}_apart", 2, packing=f"packing='{packing}'"),
                       f"{packing}: apart")
 
 
 def test_contact(options, sheet):
     """Contact separates bodies of different fields only."""
     contact = "&contact  bodies='*','*'  friction=0.1 /"
-    sheet.require("joined" not in check(options, "contact", 0, effects="contact=.true.", more=contact), "contact")
+    sheet.require("joined     " not in check(options, "contact", 0, effects="contact=.true.", more=contact), "contact")
     same = "field=1"
     three = contact + ("\n&region name='w' shape='box' lo=0.3,0.2,1.5 hi=0.7,0.8,2 /\n"
                        "&body name='w' region='w' material='m' /")
@@ -71,7 +71,7 @@ def test_shapes(options, sheet):
     deck = deck.replace("shape='box'  lo=0.3,0.2,-0.4  hi=0.7,0.8,0", "shape='difference'  of='all','hole'")
     deck += ("&region name='all' shape='box' lo=0,0,-3 hi=1,1,3 /\n&region name='hole' shape='box' lo=-1,-1,-1 "
              "hi=0.8,2,1 /\n")
-    sheet.require("joined" not in case.Case(options, "inside", deck).run("--check", "--no-estimate").output,
+    sheet.require("joined     " not in case.Case(options, "inside", deck).run("--check", "--no-estimate").output,
                   "a disc in a hole")
     run = case.Case(options, "touches", deck.replace("centre=0.2,", "centre=0.7,")).run("-q")
     sheet.require(SHARE in run.path(".log").read_text(encoding="utf-8"), "the log of a run has the line")
