@@ -33,6 +33,7 @@ module constitutive_eos
       procedure :: find_temperature => eos_find_temperature !! Temperature, if it gives it
       !> True if material at rest has energy
       procedure :: starts_with_energy => eos_starts_with_energy
+      procedure :: cold_temperature => eos_cold_temperature !! Of the energy of the start
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
       procedure :: report => eos_report              !! Note for the user
       procedure :: fault_of_state => eos_fault_of_state !! Why a state has no pressure
@@ -158,6 +159,15 @@ contains
 
       does = .false.
    end function eos_starts_with_energy
+
+   !> Temperature [K] at which material of the reference density has the energy `start_energy`;
+   !! negative if the pressure does not depend on it, or the equation of state gives it.
+   pure real(wp) function eos_cold_temperature(self, reference) result(temperature)
+      class(eos_t), intent(in) :: self
+      real(wp), intent(in) :: reference             !! Reference temperature of the material [K]
+
+      temperature = -1.0_wp
+   end function eos_cold_temperature
 
    !> Internal energy of the reference density [J/kg].
    pure real(wp) function eos_start_energy(self, temperature) result(energy)

@@ -12,6 +12,7 @@ module constitutive_heat
    !> Heating of a material.
    type :: heat_t
       real(wp) :: specific_heat = 0.0_wp             !! Specific heat at constant volume [J/(kg K)]
+      real(wp) :: reference = 293.0_wp               !! Temperature of the reference state [K]
       real(wp) :: conductivity = 0.0_wp !! Thermal conductivity; 0: no conduction [W/(m K)]
    end type heat_t
 

@@ -7,7 +7,7 @@ module constitutive_state
    implicit none
    private
 
-   public :: damage_scratch_t, deformation_t, material_state_t
+   public :: damage_scratch_t, deformation_t, has_energy, material_state_t
 
    !> State of pores.
    type :: pore_state_t
@@ -108,6 +108,16 @@ module constitutive_state
    end type deformation_t
 
 contains
+
+   !> True if a particle of a range has an internal energy.
+   pure logical function has_energy(state, first, last) result(has)
+      type(material_state_t), intent(in) :: state
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+
+      has = .false.
+      if (allocated(state%energy)) has = any(abs(state%energy(first:last)) > 0.0_wp)
+   end function has_energy
 
    !> Pass every allocated field to a worker, always in the same order.
    subroutine material_walk(self, worker)

@@ -25,6 +25,7 @@ module eos_ideal_gas
       procedure :: request => ideal_gas_request      !! Requests the energy field
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => ideal_gas_find_gruneisen !! Grueneisen number times density
+      procedure :: cold_temperature => ideal_gas_cold_temperature !! 0
       procedure :: stored_energy => ideal_gas_stored_energy !! Zero, because energy is a field
    end type eos_ideal_gas_t
 
@@ -124,4 +125,12 @@ contains
 
       energy = 0.0_wp
    end function ideal_gas_stored_energy
+
+   !> The energy is c_v T.
+   pure real(wp) function ideal_gas_cold_temperature(self, reference) result(temperature)
+      class(eos_ideal_gas_t), intent(in) :: self
+      real(wp), intent(in) :: reference              !! Reference temperature of the material [K]
+
+      temperature = 0.0_wp
+   end function ideal_gas_cold_temperature
 end module eos_ideal_gas

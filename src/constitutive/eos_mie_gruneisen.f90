@@ -40,6 +40,7 @@ module eos_mie_gruneisen
       procedure :: request => mie_gruneisen_request  !! Requests the energy field
       procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
       procedure :: find_gruneisen => mie_gruneisen_find_gruneisen !! Grueneisen number times density
+      procedure :: cold_temperature => mie_gruneisen_cold_temperature !! Energy 0 at t_ref
       procedure :: stored_energy => mie_gruneisen_stored_energy !! Zero, because energy is a field
    end type eos_mie_gruneisen_t
 
@@ -224,4 +225,12 @@ contains
 
       energy = 0.0_wp
    end function mie_gruneisen_stored_energy
+
+   !> Heat above the reference temperature is part of the energy.
+   pure real(wp) function mie_gruneisen_cold_temperature(self, reference) result(temperature)
+      class(eos_mie_gruneisen_t), intent(in) :: self
+      real(wp), intent(in) :: reference              !! Reference temperature of the material [K]
+
+      temperature = reference
+   end function mie_gruneisen_cold_temperature
 end module eos_mie_gruneisen

@@ -43,6 +43,7 @@ module eos_tillotson
       procedure :: request => tillotson_request      !! Requests the energy field
       procedure :: update => tillotson_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => tillotson_find_gruneisen !! Grueneisen number times density
+      procedure :: cold_temperature => tillotson_cold_temperature !! Energy 0 at t_ref
       procedure :: stored_energy => tillotson_stored_energy !! Zero, because energy is a field
    end type eos_tillotson_t
 
@@ -272,4 +273,12 @@ contains
 
       energy = 0.0_wp
    end function tillotson_stored_energy
+
+   !> Heat above the reference temperature is part of the energy.
+   pure real(wp) function tillotson_cold_temperature(self, reference) result(temperature)
+      class(eos_tillotson_t), intent(in) :: self
+      real(wp), intent(in) :: reference              !! Reference temperature of the material [K]
+
+      temperature = reference
+   end function tillotson_cold_temperature
 end module eos_tillotson

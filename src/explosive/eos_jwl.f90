@@ -38,6 +38,7 @@ module eos_jwl
       procedure :: request => jwl_request            !! Requests the energy field
       procedure :: update => jwl_update              !! Pressure and square of the sound speed
       procedure :: find_gruneisen => jwl_find_gruneisen !! Grueneisen number times density
+      procedure :: cold_temperature => jwl_cold_temperature !! Chemical energy alone at t_ref
       procedure :: stored_energy => jwl_stored_energy !! Zero, because energy is a field
       procedure :: starts_with_energy => jwl_starts_with_energy !! Returns true
       procedure :: start_energy => jwl_start_energy  !! Chemical energy
@@ -300,4 +301,12 @@ contains
 
       call self%find_detonation(speed, pressure, relative)
    end function jwl_chapman_jouguet_speed
+
+   !> Heat above the reference temperature is part of the energy.
+   pure real(wp) function jwl_cold_temperature(self, reference) result(temperature)
+      class(eos_jwl_t), intent(in) :: self
+      real(wp), intent(in) :: reference              !! Reference temperature of the material [K]
+
+      temperature = reference
+   end function jwl_cold_temperature
 end module eos_jwl

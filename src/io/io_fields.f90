@@ -27,9 +27,10 @@ module io_fields
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "velocity", "pressure", "mises", "temperature", "plastic_strain", "damage", "failed"]
 
-   !> Not part of "state": positions are always written, and `ahead` belongs to a step.
-   character(len=field_name_length), parameter :: passing_names(2) = &
-      [character(len=field_name_length) :: "position", "ahead"]
+   !> Not part of "state": positions are always written, `ahead` belongs to a step, and a new run
+   !! sets `load_marks` from its own loads.
+   character(len=field_name_length), parameter :: passing_names(3) = &
+      [character(len=field_name_length) :: "position", "ahead", "load_marks"]
 
    !> One field of an output.
    type :: column_t

@@ -45,6 +45,7 @@ module material_models
       procedure :: start => models_start             !! Initial state of particles
       procedure :: draw_strength => models_draw_strength       !! Random strength of particles
       procedure :: start_energy => models_start_energy !! Internal energy at the start
+      procedure :: temperature_of => models_temperature_of !! Temperature of an energy at the start
       procedure :: starts_with_energy => models_starts_with_energy !! True if it has energy then
       procedure :: is_gas_of_explosive => models_is_gas_of_explosive !! Products of a detonation
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
@@ -159,7 +160,8 @@ contains
    end subroutine models_start
 
    !> Internal energy of material at the start [J/kg]: an explosive holds its chemical energy, a
-   !! table has an energy for each temperature.
+   !! table has an energy for each temperature, and other laws whose pressure depends on the energy
+   !! have that of the reference plus c_v times the difference to its temperature.
    pure real(wp) function models_start_energy(self, temperature) result(energy)
       class(models_t), intent(in) :: self
       real(wp), optional, intent(in) :: temperature  !! Used if the material has one [K]
@@ -168,10 +170,26 @@ contains
       if (.not. allocated(self%eos)) return
       if (allocated(self%heat)) then
          energy = self%eos%start_energy(temperature)
+         if (self%eos%cold_temperature(self%heat%reference) >= 0.0_wp) energy = energy &
+            + self%heat%specific_heat*(temperature &
+            - self%eos%cold_temperature(self%heat%reference))
       else
          energy = self%eos%start_energy()
       end if
    end function models_start_energy
+
+   !> Temperature at the start of material of the reference density with an energy, the inverse of
+   !! `start_energy` [K]; negative if the two are independent, or the equation of state finds it.
+   pure real(wp) function models_temperature_of(self, energy) result(temperature)
+      class(models_t), intent(in) :: self
+      real(wp), intent(in) :: energy                 !! [J/kg]
+
+      temperature = -1.0_wp
+      if (.not. (allocated(self%eos) .and. allocated(self%heat))) return
+      temperature = self%eos%cold_temperature(self%heat%reference)
+      if (temperature >= 0.0_wp) temperature = max(0.0_wp, temperature + (energy &
+         - self%eos%start_energy())/self%heat%specific_heat)
+   end function models_temperature_of
 
    !> True if material at rest has an energy, and with it perhaps a pressure.
    pure logical function models_starts_with_energy(self) result(does)

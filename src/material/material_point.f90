@@ -5,7 +5,7 @@
 !! step.
 module material_point
    use base_kinds, only: wp
-   use constitutive_state, only: deformation_t, material_state_t
+   use constitutive_state, only: deformation_t, has_energy, material_state_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use material_update, only: chain_t
    implicit none
@@ -48,7 +48,8 @@ contains
       self%state%volume = self%volume
       self%state%mass = chain%density*self%volume
       call chain%start(self%state, 1, 1, self%temperature)
-      if (chain%starts_with_energy()) call chain%find_rest_stress(self%state, 1, 1)
+      if (chain%starts_with_energy() .or. has_energy(self%state, 1, 1)) &
+         call chain%find_rest_stress(self%state, 1, 1)
       self%deformation%gradient = 0.0_wp
       self%deformation%wave_speed(1) = chain%signal_speed(self%state, 1, 1)
       select case (self%path)

@@ -149,6 +149,7 @@ contains
       if (effects%thermal) then
          allocate (material%heat)
          call group%get("specific_heat", material%heat%specific_heat)
+         call group%get("t_ref", material%heat%reference)
          if (group%given("conductivity")) &
             call group%get("conductivity", material%heat%conductivity)
       end if

@@ -49,6 +49,8 @@ contains
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%clock%dt, simulation%clock%guard%longest])
       call state%set("space", space_of(simulation))
+      if (allocated(simulation%effects%loads)) call state%set("closed_loads", &
+         merge(1_int64, 0_int64, simulation%effects%loads%hold%closed))
       if (allocated(simulation%space%cell)) call state%set("cell", simulation%space%cell%pack())
       if (allocated(simulation%effects%inflows)) call state%set("inflows", &
          [(simulation%effects%inflows(n)%state(state%time), &
@@ -123,6 +125,7 @@ contains
          call simulation%space%cell%unpack(length)
       end if
       if (allocated(simulation%effects%inflows)) call continue_inflows(simulation, state, error)
+      call resume_loads(simulation, state, error)
       if (allocated(error)) return
       call outputs%load(state)
       call load_errors(simulation, state)
@@ -145,6 +148,18 @@ contains
          call simulation%effects%inflows(n)%continue(state%time, parts(2*n - 1:2*n))
       end do
    end subroutine continue_inflows
+
+   !> Which loads act on closed surfaces.
+   subroutine resume_loads(simulation, state, error)
+      type(simulation_t), intent(inout) :: simulation
+      type(state_t), intent(in) :: state
+      type(error_t), allocatable, intent(out) :: error !! Not in the file
+      integer(int64), allocatable :: closed(:)
+
+      if (.not. allocated(simulation%effects%loads)) return
+      call state%get("closed_loads", closed, error)
+      if (.not. allocated(error)) simulation%effects%loads%hold%closed = closed > 0
+   end subroutine resume_loads
 
    !> Number the next checkpoint after all in the folder: a run that resumes from a given file
    !! keeps later ones.

@@ -13,6 +13,7 @@ module output_summary
    use omp_lib, only: omp_get_max_threads
    use output_balance_warnings, only: warn_of_balance
    use output_checkpoint, only: describe_state
+   use output_loads, only: report_loads
    use output_rank_counts, only: add_rank_counts, find_rank_counts, rank_counts_t
    use output_signal_limit, only: add_signal_limit, find_signal_limit, signal_limit_t
    use output_streams, only: outputs_t
@@ -80,13 +81,13 @@ contains
       call find_rank_counts(simulation, counted)
       if (simulation%machine%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
+      call report_loads(simulation, log, json)
       if (allocated(simulation%effects%exact)) call measure_errors(simulation)
       if (simulation%machine%communicator%rank /= 0) return
       call add_end(json, outputs%case, code, reason)
       call json%add("particles", counts(1))
       call json%add("wall_s", wall)
-      call add_work(json, counts(2), nano*real(counts(4), wp), rate)
-      call json%add("bytes_per_particle", bytes)
+      call add_work(json, counts(2), nano*real(counts(4), wp), rate, bytes)
       call add_layout(json, simulation, counted)
       call json%add("digest", digest)
       call add_extremes(json, range)
@@ -126,15 +127,17 @@ contains
    end subroutine add_end
 
    !> Particle updates in the steps, and their rate.
-   subroutine add_work(json, updates, worked, rate)
+   subroutine add_work(json, updates, worked, rate, bytes)
       type(json_t), intent(inout) :: json
       integer(int64), intent(in) :: updates          !! Number of particle updates on all ranks
       real(wp), intent(in) :: worked                 !! Processor time of all ranks [s]
       real(wp), intent(in) :: rate                   !! Updates a second of wall time
+      real(wp), intent(in) :: bytes                  !! A particle
 
       call json%add("processor_s", worked)
       call json%add("particle_updates", updates)
       call json%add("particle_updates_per_s", rate)
+      call json%add("bytes_per_particle", bytes)
    end subroutine add_work
 
    !> Steps and time, ranks and threads, and work and communication of the ranks.

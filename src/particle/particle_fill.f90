@@ -408,6 +408,7 @@ contains
          end do
       end if
       if (allocated(store%affine)) store%affine(p, :) = 0.0_wp
+      if (allocated(store%origin%marks)) store%origin%marks(p, :) = 0.0_wp
       if (allocated(store%spin)) store%spin(p, :) = 0.0_wp
       if (allocated(store%ahead)) store%ahead(p, :) = 0.0_wp
       if (allocated(store%bond)) store%bond(p) = 1.0_wp

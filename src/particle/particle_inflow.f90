@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Material that flows into the domain: copies of the particles of a body follow each other at the
 !! length of the body, and each particle enters where its position passes the plane behind the body.
-!! Equations (O.6) and (O.7) of doc/theory/instruments.md.
+!! Equations (O.8) and (O.9) of doc/theory/instruments.md.
 !!
 !! The entered material follows from the time alone. A checkpoint stores the displacement, so that a
 !! restart with another velocity continues from it. A rank
@@ -53,7 +53,7 @@ module particle_inflow
 
 contains
 
-   !> Distance that the material has moved at a time, d of (O.6) [m].
+   !> Distance that the material has moved at a time, d of (O.8) [m].
    pure real(wp) function inflow_travel(self, time) result(way)
       class(inflow_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]
@@ -86,7 +86,7 @@ contains
       if (abs(now(1) - parts(1)) > 0.0_wp) self%ahead = parts(1) + parts(2) - now(1)
    end subroutine inflow_continue
 
-   !> List the particles that enter between two times by (O.7), and set their positions at the end
+   !> List the particles that enter between two times by (O.9), and set their positions at the end
    !! of the interval. The displacement in a step is less than the length of the body, so a particle
    !! enters at most once.
    subroutine inflow_enter(self, grid, began, time, particle)

@@ -29,6 +29,14 @@ module particle_store
       logical :: averaged = .false.                   !! Half of a strain, applied in advance
    end type traits_t
 
+   !> What particles keep from the start.
+   type :: origin_t
+      real(wp), allocatable :: reference(:, :) !! (particle, 3) Initial position, on request [m]
+      !> (particle, 4 loads) Function f and its gradient of the loads that follow the material, see
+      !! mesh_surface_load [1, 1/m]
+      real(wp), allocatable :: marks(:, :)
+   end type origin_t
+
    !> Particles of one material.
    type, extends(tile_ranges_t) :: store_t
       character(len=:), allocatable :: name           !! Name of the material
@@ -47,7 +55,7 @@ module particle_store
       !> (particle, 9) Half of the strain of the last step, applied before the move [1]
       real(wp), allocatable :: ahead(:, :)
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
-      real(wp), allocatable :: reference(:, :) !! (particle, 3) Initial position, on request [m]
+      type(origin_t) :: origin                        !! What is known of the start
       !> Rate at which the longest edge grows, from the strain of a step to its end only, else of
       !! size 0; not allocated if long particles are not halved [1/s]
       real(wp), allocatable :: opening(:)
@@ -137,7 +145,9 @@ contains
       if (allocated(self%spin)) call worker%vector("spin", "1/s", self%spin)
       if (allocated(self%ahead)) call worker%vector("ahead", "1", self%ahead)
       if (allocated(self%bond)) call worker%scalar("bond", "1", self%bond)
-      if (allocated(self%reference)) call worker%vector("reference", "m", self%reference)
+      if (allocated(self%origin%reference)) call worker%vector("reference", "m", &
+         self%origin%reference)
+      if (allocated(self%origin%marks)) call worker%vector("load_marks", "1", self%origin%marks)
       call self%state%walk(worker)
    end subroutine store_walk
 

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Updates the sizes of particles with their deformation.
+!> Updates the sizes of particles, and the functions of loads, with their deformation.
 module particle_stretch
    use base_kinds, only: wp
+   use mesh_surface_load, only: turn_marks
    use particle_store, only: store_t
    implicit none
    private
@@ -10,7 +11,8 @@ module particle_stretch
 
 contains
 
-   !> Stretch the particles of a tile by the deformation of a step, if the method requests sizes.
+   !> Stretch the particles of a tile by the deformation of a step, if the method requests sizes,
+   !! and transform the functions of loads.
    !! The displacement gradient is that of the whole step, with respect to the positions before it.
    pure subroutine stretch_tile(store, tile, gradient)
       type(store_t), intent(inout) :: store
@@ -22,6 +24,8 @@ contains
          store%extent)
       if (allocated(store%domain)) call stretch_domains(store%first(tile), store%count(tile), &
          gradient, store%domain)
+      if (allocated(store%origin%marks)) call turn_marks(store%cell_start(:, tile), &
+         store%first(tile), gradient, store%origin%marks)
    end subroutine stretch_tile
 
    !> Stretch boxes (P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628). Equation

@@ -7,6 +7,7 @@ module program_cost_report
    use constitutive_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
+   use particle_joined, only: find_joined, joined_t
    use program_bulk_modulus_advice, only: bulk_modulus_advice, locking_advice
    use program_expected_steps, only: expected_steps, find_first_step, meetings_text
    use program_run_limits, only: limits_t
@@ -45,6 +46,7 @@ contains
          //solid_volumes_text(simulation%space%grid, bodies, survey%body) &
          //fields_text(simulation, survey)
       if (allocated(simulation%effects%contact)) text = text//contact_text(simulation, bodies)
+      text = text//joined_text(simulation, bodies)
       text = text//meetings_text(simulation, bodies, limits%time_end)
       text = text &
          //"step       first dt "//four_digits(dt)//" s"//cause//"; about "// &
@@ -96,6 +98,37 @@ contains
       text = text//new_line("a")
    end function particles_text
 
+   !> Bodies that are joined at the start, because no contact separates them.
+   function joined_text(simulation, bodies) result(text)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
+      character(len=:), allocatable :: text
+      integer, parameter :: most_lines = 5
+      type(joined_t), allocatable :: joined(:)
+      integer :: field(size(bodies)), n
+
+      field = 1
+      if (allocated(simulation%effects%contact)) &
+         field = simulation%effects%contact%field_of_body
+      call find_joined(simulation%space%grid, bodies, field, simulation%space%grid%reaches, joined)
+      text = ""
+      do n = 1, size(joined)
+         if (n > most_lines) then
+            text = text//"           and "//number(size(joined) - most_lines)//" more pairs"// &
+               new_line("a")
+            return
+         end if
+         text = text//"joined     bodies '"//bodies(joined(n)%one)%name//"' and '"// &
+            bodies(joined(n)%other)%name//"' "
+         if (joined(n)%distance == 1) then
+            text = text//"share nodes: they cannot slide or separate there"
+         else
+            text = text//"are one row of cells apart: the dual gradient couples them"
+         end if
+         text = text//" unless &contact gives them separate velocity fields"//new_line("a")
+      end do
+   end function joined_text
+
    !> The fields of particles and their reasons, for each material.
    function fields_text(simulation, survey) result(text)
       type(simulation_t), intent(in) :: simulation
@@ -108,6 +141,7 @@ contains
          " bytes per particle for identity, position, velocity, cell"
       if (allocated(simulation%stores(1)%body)) text = text//", body (several bodies)"
       if (allocated(simulation%effects%exact)) text = text//", reference (exact solution)"
+      if (allocated(simulation%stores(1)%origin%marks)) text = text//", functions of loads"
       text = text//new_line("a")
       do n = 1, size(simulation%materials)
          text = text//"  "//simulation%stores(n)%name//new_line("a")
@@ -145,6 +179,7 @@ contains
          if (allocated(store%spin)) bytes = bytes + 24
          if (allocated(store%ahead)) bytes = bytes + 72
          if (allocated(store%bond)) bytes = bytes + 8
+         if (allocated(store%origin%marks)) bytes = bytes + 8*size(store%origin%marks, 2)
       end associate
       if (allocated(simulation%effects%exact)) bytes = bytes + 24
    end function base_bytes

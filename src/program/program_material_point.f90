@@ -46,8 +46,8 @@ contains
          "divided by rate", owner="path = free")
       call schema%real("point", "speed", "greatest particle speed", unit="m/s", range="> 0", &
          owner="path = hugoniot")
-      call schema%real("point", "temperature", "initial temperature", unit="K", default="293", &
-         range="> 0")
+      call schema%real("point", "temperature", "initial temperature; default: t_ref", &
+         unit="K", range="> 0")
       call schema%real("point", "volume", &
          "initial volume, for the number of flaws in brittle materials", unit="m3", &
          default="1.0e-9", range="> 0")
@@ -100,6 +100,7 @@ contains
       if (allocated(error)) return
       ! there is no shock front in a single point, so no artificial viscosity
       if (allocated(material%viscosity)) deallocate (material%viscosity)
+      if (allocated(material%heat)) point%temperature = material%heat%reference
       call read_point(group, point)
       call point%run(material, table)
       group = deck%group("run")
@@ -126,7 +127,7 @@ contains
       call group%get("confinement", point%confinement)
       if (group%given("velocity_gradient")) call group%get("velocity_gradient", point%direction)
       if (group%given("speed")) call group%get("speed", point%speed)
-      call group%get("temperature", point%temperature)
+      if (group%given("temperature")) call group%get("temperature", point%temperature)
       call group%get("volume", point%volume)
    end subroutine read_point
 

@@ -10,6 +10,7 @@ module program_session
    use base_timer, only: wall_seconds
    use io_deck_changes, only: changes_t
    use omp_lib, only: omp_get_max_threads
+   use output_loads, only: report_loads
    use output_summary, only: summarise
    use output_walls, only: write_walls
    use program_batch_job, only: resume_command
@@ -135,6 +136,7 @@ contains
             session%shapes, error)
       end if
       if (allocated(error)) return
+      call report_loads(session%simulation, session%log)
       call number_lattices(session%simulation, session%bodies)
       call free_shapes(session)
       call session%outputs%open(session%simulation, session%command%restart, note, error)

@@ -4,6 +4,7 @@ module scene_bodies
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
+   use base_text, only: brief
    use material_type, only: material_t
    use mesh_grid, only: grid_t
    use particle_disks, only: disks_t, start_disks
@@ -59,8 +60,9 @@ contains
          "y, z", unit="m", default="0 0 0")
       call schema%real("body", "spin(3)", "initial angular velocity about the centre of mass", &
          unit="1/s", default="0 0 0")
-      call schema%real("body", "temperature", "initial temperature", unit="K", default="293.0", &
-         range=">= 0", owner="effects.thermal")
+      call schema%real("body", "temperature", "initial temperature; energy and pressure are "// &
+         "those of the law at the density of the material; default: that of "// &
+         "specific_energy, else t_ref", unit="K", range=">= 0", owner="effects.thermal")
       call schema%real("body", "specific_energy", &
          "initial internal energy per mass, for materials that have one", unit="J/kg", &
          default="0.0", range=">= 0")
@@ -156,9 +158,8 @@ contains
             body%jitter = packing == "jitter"
             call read_velocity(group, body)
             call group%get("spin", body%spin)
-            call group%get("temperature", body%temperature)
             if (deck%sound("material", body%store)) &
-               call read_energy(deck, group, simulation%materials(body%store), body)
+               call read_heat(deck, group, simulation%materials(body%store), body)
             body%density = simulation%materials(body%store)%density
             where (.not. simulation%space%grid%active)
                body%per_cell = 1
@@ -234,16 +235,30 @@ contains
       end if
    end subroutine read_points
 
-   !> Internal energy at the start, of a material that carries it.
-   subroutine read_energy(deck, group, material, body)
+   !> Internal energy and temperature at the start, of a material that carries them.
+   subroutine read_heat(deck, group, material, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &body
       type(material_t), intent(in) :: material       !! Material of the body
-      type(body_t), intent(inout) :: body            !! Gets the energy
+      type(body_t), intent(inout) :: body            !! Gets energy and temperature
+      real(wp), parameter :: difference = 0.01_wp    ! of the temperatures that is a contradiction
+      real(wp) :: of_energy
 
       call group%get("specific_energy", body%energy)
       if (body%energy > 0.0_wp .and. .not. material%carries_energy()) call deck%add_error(group, &
          "material '"//material%name//"' has no internal energy; remove specific_energy, or "// &
          "choose an eos_model that depends on the energy", "specific_energy")
-   end subroutine read_energy
+      if (.not. allocated(material%heat)) return
+      body%temperature = material%heat%reference
+      if (group%given("temperature")) call group%get("temperature", body%temperature)
+      of_energy = material%temperature_of(body%energy)
+      if (.not. (body%energy > 0.0_wp .and. of_energy >= 0.0_wp)) return
+      if (.not. group%given("temperature")) then
+         body%temperature = of_energy
+      else if (abs(of_energy - body%temperature) > difference*body%temperature) then
+         call deck%warn(group, "specific_energy sets the pressure and belongs to "// &
+            brief(of_energy)//" K, not to temperature = "//brief(body%temperature)// &
+            " K; remove one of the two", "temperature")
+      end if
+   end subroutine read_heat
 end module scene_bodies

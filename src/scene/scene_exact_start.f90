@@ -57,7 +57,7 @@ contains
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
          point = store%position(p, :)
          call solution%place(point, 0.0_wp, position, velocity)
-         store%reference(p, :) = point
+         store%origin%reference(p, :) = point
          store%position(p, :) = position
          store%velocity(p, :) = velocity
       end do
@@ -76,7 +76,7 @@ contains
             if (.not. allocated(holder%solution)) cycle
             do tile = 1, simulation%space%tiles%own
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  point = store%reference(p, :)
+                  point = store%origin%reference(p, :)
                   call holder%solution%gradient(point, 0.0_wp, gradient)
                   call holder%solution%stress(gradient, stress)
                   store%state%stress(p, :) = stress
@@ -107,7 +107,7 @@ contains
       integer :: p
 
       do p = 1, store%count(tile)
-         point = store%reference(store%first(tile) + p - 1, :)
+         point = store%origin%reference(store%first(tile) + p - 1, :)
          slopes(p, :) = velocity_gradient(solution, point, dt)
       end do
       call keep_affine(store, tile, 1.0_wp, slopes)

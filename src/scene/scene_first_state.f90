@@ -6,6 +6,7 @@ module scene_first_state
    use particle_fill, only: body_t
    use scene_burn_times, only: light_explosives
    use scene_exact_start, only: place_exact, strain_exact
+   use scene_load, only: mark_particles
    use scene_lithostatic, only: add_weight_stress
    use scene_particles, only: fill_simulation, first_step, spin_bodies, survey_t
    use scene_points_clock, only: continue_clock
@@ -41,6 +42,7 @@ contains
       call place_exact(simulation, error)
       if (allocated(error)) return
       call strain_exact(simulation)
+      call mark_particles(simulation)
       call first_step(simulation)
       call continue_clock(simulation, bodies, shapes)
       call update_gravity(simulation)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &inflow: bodies whose material enters the domain continuously. Equations (O.6) to (O.8)
-!! of doc/theory/instruments.md.
+!> The group &inflow: bodies whose material enters the domain continuously. Equations (O.8) to
+!! (O.10) of doc/theory/instruments.md.
 module scene_inflow
    use base_deck, only: deck_t, group_t
    use base_exact_sum, only: exact_sum_t
@@ -168,7 +168,7 @@ contains
    end subroutine find_axis
 
    !> Prescribe the velocity of the flow at the nodes around the body: as far as its particles reach
-   !! at its sides and behind it, and up to its front, (O.8).
+   !! at its sides and behind it, and up to its front, (O.10).
    subroutine hold_nodes(grid, body, inflow, simulation)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body

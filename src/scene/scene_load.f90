@@ -7,14 +7,15 @@ module scene_load
    use base_schema, only: changes_physics, schema_t
    use base_text, only: text_t
    use mesh_motion, only: motion_t
-   use mesh_surface_load, only: surface_load_t
+   use mesh_surface_load, only: mark_tile, surface_load_t
+   use particle_closed_loads, only: find_closed_loads
    use particle_fill, only: body_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private
 
-   public :: declare_load, read_loads
+   public :: declare_load, mark_particles, read_loads
 
 contains
 
@@ -27,6 +28,8 @@ contains
       call schema%text("load", "bodies(:20)", "bodies whose surface is loaded; default: all")
       call schema%text("load", "region", "region in which surfaces are loaded; its edge should "// &
          "lie inside the material or in the void, not along a surface; default: everywhere")
+      call schema%logical("load", "follow", "the load stays on the material that is in the "// &
+         "region at the start; .false.: the region is fixed in space", default=".true.")
       call schema%real("load", "pressure", "pressure on the surface; positive pushes inwards", &
          unit="Pa")
       call schema%real("load", "traction(3)", &
@@ -47,12 +50,17 @@ contains
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
       type(surface_load_t), allocatable :: loads(:)
-      integer :: n
+      integer :: n, slots
 
       if (deck%count("load") == 0) return
       allocate (loads(deck%count("load")))
+      slots = 0
       do n = 1, size(loads)
          call read_one(deck, deck%group("load", n), bodies, shapes, loads(n))
+         if (loads(n)%slot > 0) then
+            slots = slots + 1
+            loads(n)%slot = slots
+         end if
          if (.not. finds_body(loads(n), bodies)) call deck%warn(deck%group("load", n), &
             "the load has no effect: none of its bodies reaches into its region", "region")
       end do
@@ -68,8 +76,10 @@ contains
       type(surface_load_t), intent(out) :: load
       type(text_t), allocatable :: names(:)
       character(len=:), allocatable :: region
+      logical :: follow
       integer :: n, place
 
+      call group%get("name", load%name)
       call read_stress(deck, group, load%stress)
       call read_course(deck, group, load)
       call group%get("region", region)
@@ -82,6 +92,8 @@ contains
             allocate (load%region, source=shapes(n)%shape%shape)
          end if
       end do
+      call group%get("follow", follow)
+      if (follow .and. allocated(load%region)) load%slot = 1
       call group%list("bodies", names)
       if (size(names) == 0 .or. size(bodies) == 1) return
       allocate (load%bodies(0))
@@ -90,6 +102,26 @@ contains
          if (place > 0) load%bodies = [load%bodies, int(place, int64)]
       end do
    end subroutine read_one
+
+   !> Set the functions of the loads that follow the material, at the start. Collective.
+   subroutine mark_particles(simulation)
+      type(simulation_t), intent(inout) :: simulation !! With particles
+      integer :: index, tile
+
+      if (.not. allocated(simulation%effects%loads)) return
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            if (.not. allocated(store%origin%marks)) cycle
+            do tile = 1, size(store%count)
+               call mark_tile(simulation%effects%loads, simulation%space%grid, &
+                  simulation%space%tiles%coordinate(:, tile), store%first(tile), &
+                  store%count(tile), store%position, store%origin%marks)
+            end do
+         end associate
+      end do
+      call find_closed_loads(simulation%machine%communicator, simulation%space%grid, &
+         simulation%space%tiles%coordinate, simulation%stores, simulation%effects%loads)
+   end subroutine mark_particles
 
    !> Do the bounding boxes of a body of a load and of its region overlap?
    pure logical function finds_body(load, bodies) result(finds)

@@ -6,11 +6,13 @@ module scene_particles
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
+   use constitutive_state, only: has_energy
    use material_kinds, only: is_gas
    use material_stages, only: effect_count, effect_names
    use material_type, only: material_t
    use mesh_grid, only: grid_t
    use mesh_hilbert, only: hilbert_key
+   use mesh_surface_load, only: mark_columns
    use mesh_tiles, only: partition_keys, partition_scattered_keys
    use omp_lib, only: omp_get_max_threads
    use particle_fill, only: body_t, fill_bodies, survey_bodies
@@ -21,7 +23,7 @@ module scene_particles
    use scene_contact, only: bond_stores, store_name
    use step_ledger, only: cross
    use step_normalised_sums, only: choose_normalised
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_effects_t, simulation_t
    use step_sort_particles, only: count_particles, sort_particles
    use step_time_step, only: find_stable_step, greatest_diffusivity
    implicit none
@@ -122,8 +124,9 @@ contains
                simulation%effects%contact%material(index)
             if (allocated(simulation%effects%exact)) then
                if (allocated(simulation%effects%exact%material(index)%solution)) &
-                  allocate (store%reference(0, 3))
+                  allocate (store%origin%reference(0, 3))
             end if
+            call add_load_marks(simulation%effects, store)
             simulation%scheme%carries_energy = simulation%scheme%carries_energy .or. &
                allocated(store%state%energy)
          end associate
@@ -132,6 +135,17 @@ contains
          allocated(simulation%effects%loads)
       if (allocated(simulation%effects%contact)) call bond_stores(simulation)
    end subroutine make_stores
+
+   !> Allocate the functions of the loads that follow the material.
+   pure subroutine add_load_marks(effects, store)
+      type(simulation_effects_t), intent(in) :: effects
+      type(store_t), intent(inout) :: store
+      integer :: slots
+
+      if (.not. allocated(effects%loads)) return
+      slots = maxval(effects%loads%slot)
+      if (slots > 0) allocate (store%origin%marks(0, mark_columns*slots))
+   end subroutine add_load_marks
 
    !> Count the particles of bodies and tiles, and find the volumes of randomly placed ones.
    subroutine take_survey(simulation, bodies, survey)
@@ -203,8 +217,9 @@ contains
          call material%draw_strength(store%state, store%identity, &
             store%first(tile), store%first(tile) + store%count(tile) - 1)
          if (any(bodies%energy > 0.0_wp .and. bodies%store == index) .or. &
-            material%starts_with_energy()) call material%find_rest_stress(store%state, &
-            store%first(tile), store%first(tile) + store%count(tile) - 1)
+            material%starts_with_energy() .or. has_energy(store%state, store%first(tile), &
+            store%first(tile) + store%count(tile) - 1)) call material%find_rest_stress( &
+            store%state, store%first(tile), store%first(tile) + store%count(tile) - 1)
       end do
    end subroutine fill_store
 

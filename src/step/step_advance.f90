@@ -4,6 +4,7 @@ module step_advance
    use base_error, only: error_t
    use base_kinds, only: wp
    use mesh_surface_load, only: set_loads
+   use particle_closed_loads, only: balance_loads
    use particle_moving_cell, only: measure_cell, shift_particles
    use step_body_force, only: average_gravity, record_body_force, update_gravity
    use step_conduction, only: conduct_heat
@@ -53,6 +54,9 @@ contains
       if (simulation%scheme%method%smooth_turn) call smooth_tile_rotation(simulation)
       if (allocated(simulation%effects%contact)) call find_sides(simulation)
       if (simulation%scheme%method%strains_first()) call strain_before(simulation, dt)
+      if (allocated(simulation%effects%loads)) call balance_loads( &
+         simulation%machine%communicator, simulation%space%grid, &
+         simulation%space%tiles%coordinate, simulation%stores, simulation%effects%loads)
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))
       end do

@@ -92,7 +92,7 @@ contains
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                do k = 1, 3
-                  point(k) = store%reference(q, k)
+                  point(k) = store%origin%reference(q, k)
                   place(k) = store%position(q, k)
                end do
                call solution%body_force(point, simulation%effects%exact%force_time, force)
@@ -113,7 +113,7 @@ contains
    end subroutine record_tile
 
    !> Record impulse, its moment and work of the loads on surfaces, particle by particle, with the
-   !! gradient that is adjoint to the force. Equation (O.4) of doc/theory/instruments.md.
+   !! gradient that is adjoint to the force. Equation (O.6) of doc/theory/instruments.md.
    subroutine record_loads(simulation, scratch, store, tile, centre)
       type(simulation_t), intent(in) :: simulation   !! With loads
       !> Of this thread: particles located, and the gradient of the velocity times the kick

@@ -62,7 +62,7 @@ contains
    end subroutine watch_unbalanced
 
    !> Unbalanced force of the last step over the force of the stress, 1 if there is no stress.
-   !! Equation (O.5) of doc/theory/instruments.md. Collective.
+   !! Equation (O.7) of doc/theory/instruments.md. Collective.
    subroutine find_unbalanced(simulation, ratio)
       type(simulation_t), intent(in) :: simulation   !! Unbalanced forces are watched
       real(wp), intent(out) :: ratio                 !! [1]

@@ -80,7 +80,8 @@ contains
 
       sums = 0.0_wp
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         point = [store%reference(p, 1), store%reference(p, 2), store%reference(p, 3)]
+         point = [store%origin%reference(p, 1), store%origin%reference(p, 2), &
+            store%origin%reference(p, 3)]
          call solution%place(point, times(2), position, velocity)
          call solution%place(point, times(1), position, other)
          call solution%gradient(point, times(3), gradient)

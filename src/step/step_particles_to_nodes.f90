@@ -344,7 +344,8 @@ contains
       call scratch%pushed%reserve_load(store%count(tile))
       call add_loads(simulation%effects%loads, simulation%space%grid, &
          simulation%space%tiles%coordinate(:, tile), store%first(tile), store%count(tile), &
-         store%position, store%body, scratch%pushed%load, scratch%pushed%density)
+         store%position, store%body, store%origin%marks, scratch%pushed%load, &
+         scratch%pushed%density)
    end subroutine find_loads
 
    !> Force density of the loads on surfaces, to columns 5 to 7. Equation (O.3) of
@@ -385,7 +386,7 @@ contains
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             do k = 1, 3
-               point(k) = store%reference(q, k)
+               point(k) = store%origin%reference(q, k)
             end do
             call solution%body_force(point, simulation%effects%exact%force_time, force)
             do k = 1, 3

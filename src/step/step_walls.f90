@@ -303,7 +303,7 @@ contains
    end subroutine record_walls
 
    !> Record the unbalanced force of the nodes of a tile: the part due to its own particles, by
-   !! their mass times acceleration. Equation (O.5) of doc/theory/instruments.md.
+   !! their mass times acceleration. Equation (O.7) of doc/theory/instruments.md.
    subroutine record_unbalanced(space, field, scratch, tile, acceleration)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field

@@ -483,6 +483,8 @@ WARNINGS = [
      "rotate = 1.5708 deg: did you mean radians (90 deg)?"),
     ("shock", "velocity = 0 0 6.7", "velocity = 0 0 6.7  temperature = 20", 13,
      "temperature = 20 K: did you mean degrees Celsius (293.15 K)?"),
+    ("shock", "velocity = 0 0 6.7", "velocity = 0 0 6.7  temperature = 500  specific_energy = 0.0875", 13,
+     "specific_energy sets the pressure and belongs to 393 K, not to temperature = 500 K; remove one of the two"),
     ("plain", "centre = 0.5 0 0.5", "centre = 0.95 0 0.5", 7,
      "&body 'one': its region lies 34 % outside the grid and is cut there"),
     ("shock", "lo = 0 0 0  hi = 10 10 2", "lo = 0 0 0  hi = 10 10 0.8", 14,

@@ -226,9 +226,9 @@ DISCS = """
 &grid  lo=0,0,0  hi=2,1,1  dx=0.0625 /
 &time  t_end=3.0e-4 /
 &effects  thermal=.true.  artificial_viscosity=.false. /
-&material  name='energy'  density=1000  eos_model='mie_gruneisen'  mg_c0=2000  mg_s=1.5  mg_gamma=2
+&material  name='energy'  density=1000  eos_model='mie_gruneisen'  mg_c0=2000  mg_s=1.5  mg_gamma=2  t_ref=300
   shear=1.0e9  strength_model='von_mises'  yield=1.0e8  specific_heat=500  {first} /
-&material  name='other'  density=2000  specific_heat=800  {second} /
+&material  name='other'  density=2000  specific_heat=800  t_ref=600  {second} /
 &region  name='a'  shape='sphere'  centre=0.7,0,0.5  radius=0.28 /
 &region  name='b'  shape='sphere'  centre=1.3,0,0.5  radius=0.28 /
 &body  name='a'  region='a'  material='energy'  temperature=300  velocity=200,0,0 /
