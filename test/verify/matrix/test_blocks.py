@@ -27,7 +27,6 @@ import numpy as np
 import pytest
 
 import case
-import tier
 
 KINDS = {"ddmp": ("ddmp", ""), "ddmp control": ("ddmp", "quadrature='control'"),
          "ddmp lsd": ("ddmp", "quadrature='lsd'"),
@@ -97,7 +96,7 @@ def check_energy(sheet, label, run, problem):
     total = run.history["kinetic"] + run.history["internal"]
     sheet.require(len(total) > 5 and total[0] > 0.0, f"{label}: there is energy, and rows of it")
     gain = float(total.max() / total[0] - 1.0)
-    if tuple(label.split()[:4]) in JUMPS:
+    if tuple(label.split()) in JUMPS:
         # a tenth of the energy is far below the growth of the refused combinations
         sheet.known(f"{label}: energy gained", gain, limit=0.1, target=PROBLEMS[problem][1])
     else:
@@ -154,11 +153,11 @@ def test_blocks(options, sheet, kind, problem):
 
 @pytest.mark.tiers("long")
 @pytest.mark.parametrize("changes", [{"speed": 0.2}, {"speed": 3.0}, {"dimension": "3d"}], ids=["slow", "fast", "3d"])
-@pytest.mark.parametrize("kind", SHORT)
+@pytest.mark.parametrize("kind", [name for name in SHORT if name != "linear"])
 def test_other_blocks(options, sheet, kind, changes):
     """Other speeds, and three dimensions."""
     for problem in PROBLEMS:
-        for transfer in tier.choose(TRANSFERS, smoke=TRANSFERS):
+        for transfer in TRANSFERS:
             for update in UPDATES:
                 run_one(options, sheet, (kind, transfer, update, problem), **changes)
 
