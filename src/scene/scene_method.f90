@@ -176,7 +176,8 @@ contains
       if (method%transfer%affine() .and. .not. method%transfer%turning()) then
          call deck%warn(group, "linear functions with transfer = '"//transfer// &
             "' gain energy without bound; write basis = 'quadratic'", "transfer")
-      else if (method%stress == stress_after .and. method%transfer%flip_fraction() > 0.0_wp) then
+      else if (method%stress == stress_after .and. (method%transfer%flip_fraction() > 0.0_wp .or. &
+         method%transfer%sweeps() > 0)) then
          call deck%warn(group, "linear functions with stress_update = 'usl' gain energy "// &
             "without bound where bodies cross cells; write stress_update = 'musl'", &
             "stress_update")
