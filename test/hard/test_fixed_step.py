@@ -24,7 +24,7 @@ DECK = """&run  dimension='plane_strain'  method='{method}' /
 &output  name='h'  kind='history'  every=50 /
 """
 # h/c with the wave speed of uniaxial strain, 1.2 E at nu = 1/4; velocities are negligible
-CROSSING = 0.1 / np.sqrt(1.2e6 / 1000)
+CROSSING = float(0.1 / np.sqrt(1.2e6 / 1000))
 SHOCK = """&run  dimension='1d' /
 &grid  lo=0,0,0  hi=2,1,1  dx=0.05 /
 &time  t_end=1e-3  dt_fixed={step}  dt_collapse=0 /
@@ -84,7 +84,7 @@ def test_unstable(options, sheet):
 
 def test_later(options, sheet):
     """A step that is stable at first and not in the shock: the failure names dt_fixed, and no smaller cfl."""
-    first = 0.05 / (3000 + np.sqrt(1.4 * 0.4 * 2e5))
+    first = float(0.05 / (3000 + np.sqrt(1.4 * 0.4 * 2e5)))
     run = case.Case(options, "later", SHOCK.format(step=repr(0.9 * first))).run(expect=4)
     text = " ".join(run.output.split())
     said = r"dt_fixed = +\S+ s is +\S+ times the stable step before, +\S+ s with cfl = 0\.40; write that or less, or "

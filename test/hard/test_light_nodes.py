@@ -67,7 +67,7 @@ def lone(options, sheet, worst, dimension, share, distance):
     velocity = f"{speed!r},0,0" if dimension == "1d" else f"{speed!r},{speed!r},{speed!r}"
     name = f"lone_{dimension}_{share}_{distance}"
     run = case.Case(options, name, LONE.format(dimension=dimension, velocity=velocity, step=step,
-                                               energy=0.5 * share * 5328.0**2)).run("-q")
+                                               energy=0.5 * share * 5328.0**2)).run("-q", "--force")
     snaps = [snap for _, snap in run.snapshots()]
     sheet.require(len(snaps) == 3 and all(len(snap.points) == 1 for snap in snaps), f"{name}: steps")
     sheet.require(abs(snaps[1].points[0, 0] - 4.0 - distance) < 0.1 * distance,

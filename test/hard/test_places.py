@@ -39,7 +39,7 @@ def flight(options, name, steps, away):
     run = case.Case(options, name, DECK.format(
         dimension="3d", method="ddmp", words="", steps=steps, every=steps, time=f"dt_fixed={STEP}",
         region="lo=2,2,2 hi=5,5,4", velocity=f"{speed!r},{speed!r},{speed!r}", energy=1.0e4,
-        faces="&boundary face='all' type='periodic' /")).run("-q")
+        faces="&boundary face='all' type='periodic' /")).run("-q", "--force")
     first, last = (run.snapshots()[n][1] for n in (0, -1))
     order = np.argsort(last.fields["identity"])
     sheet_mass = last.fields["mass"].sum() / first.fields["mass"].sum() - 1.0
@@ -76,7 +76,7 @@ def test_leave(options, sheet):
         run = case.Case(options, "leave", DECK.format(
             dimension="3d", method="ddmp", words="", steps=100000, every=100000,
             time="dt_max=3.0e-5", region="lo=3,3,3 hi=4,4,4", faces="", energy=0.0,
-            velocity=",".join(str(part) for part in velocity))).run("-q", "-s", "time.t_end=8.0e-4")
+            velocity=",".join(str(part) for part in velocity))).run("-q", "--force", "-s", "time.t_end=8.0e-4")
         ledger = run.summary["ledger"]
         sheet.require(run.summary["particles"] == 0, f"leave {way}: has left")
         start, end = ledger["start"], ledger["end"]
@@ -95,7 +95,7 @@ def test_cloud(options, sheet):
     run = case.Case(options, "cloud", DECK.format(
         dimension="3d", method="ddmp", words="", steps=100000, every=100000, time="",
         region="lo=3,3,3 hi=6,6,6", faces="", energy=3.0e7,
-        velocity="1.0e4,2.0e3,-3.0e3")).run("-q", "-s", "time.t_end=1.5e-3")
+        velocity="1.0e4,2.0e3,-3.0e3")).run("-q", "--force", "-s", "time.t_end=1.5e-3")
     ledger, table = run.summary["ledger"], run.history
     sheet.require(run.summary["particles"] < 20, f"cloud: {run.summary['particles']} are left")
     books = np.abs(table["mass"] + table["lost_mass"] - table["mass"][0]).max() / table["mass"][0]

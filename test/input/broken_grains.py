@@ -50,6 +50,6 @@ FAULTS = [
     ("discs", "stiffness = 1e6", "stiffness = 1e6  young = 1e9", 2, "young given but"),
     ("lattice", "cells = 3 3 3", "cells = -4 4 4", 3, "cells = -4 4 4  <- must be > 0"),
     ("lattice", "cells = 3 3 3", "cells = 1000 1000 1000", 3,
-     "&cell: the lattice has 4e+09 grains; the greatest number is 1e+08: write fewer cells"),
+     "&cell: the lattice has 4.0e9 grains; the greatest number is 1.0e8: write fewer cells"),
     ("discs", "duration = 1e-3", "duration = 1e300", 4, "the stage would take"),
 ]

@@ -30,7 +30,7 @@ DECK = """
 """
 # Key as in a message, and the change of the deck.
 REFUSED = [
-    ("&grid dx = 0.05, was 0.1", "dx=0.1", "dx=0.05"),
+    ("&grid dx = 0.2, was 0.1", "dx=0.1", "dx=0.2"),
     ("&grid hi = 2.0, 1.0, 1.0, was 1.0, 1.0, 1.0", "hi=1,1,1", "hi=2,1,1"),
     ("&run method = 'mpm', was 'ddmp'", "&run ", "&run method='mpm' "),
     ("&run seed = 7, was 12345", "&run ", "&run seed=7 "),
@@ -81,8 +81,8 @@ class TestChangedDecks:
                 assert said in run.output
                 assert contents(run.folder) == before
         run.ranks = 2
-        self.again(run, "dx=0.1", "dx=0.05", expect=3)
-        assert run.output.count("&grid dx = 0.05, was 0.1") == 1, run.output
+        self.again(run, "dx=0.1", "dx=0.2", expect=3)
+        assert run.output.count("&grid dx = 0.2, was 0.1") == 1, run.output
 
     def test_told(self, options, sheet):
         """A change of keys for the physics of the remaining run is a warning; a change of its end time or its files is
@@ -126,7 +126,7 @@ class TestChangedDecks:
     def test_no_older_one(self, options):
         """A newer checkpoint of another deck is not skipped in favour of an older one that fits."""
         run = self.run_of(options, "mixed")
-        other = self.run_of(options, "other", DECK.replace("dx=0.1", "dx=0.05"))
+        other = self.run_of(options, "other", DECK.replace("dx=0.1", "dx=0.2"))
         run.path("_chk_0002.h5").write_bytes(other.path("_chk_0001.h5").read_bytes())
         run.run("--quiet", "--restart", expect=3)
         assert "_chk_0002.h5' belongs to another deck" in run.output

@@ -32,10 +32,10 @@ METAL = "density=2700  shear=26e9  eos_model='mie_gruneisen'  mg_c0=5240  mg_s=1
 # Scenes, and keys whose change must change the results of the few steps after the restart.
 SCENES = {
     "elastic": ({"material": "density=2000  young=1e7  poisson=0.3", "speed": 5,
-                 "effects": "gravity=.true.  damping=20", "wall": "'friction'  friction=0.3  velocity=0.1,0,0",
+                 "effects": "gravity=.true.  damping=20", "wall": "'friction'  friction=0.3",
                  "more": "&load  pressure=1e5  times=0,1  factors=1,0.5 /"},
                 "effects.damping effects.gravity_vector load.pressure load.factors material.young material.poisson "
-                "boundary.friction boundary.velocity method.bulk_q1 method.bulk_q2 time.cfl"),
+                "boundary.friction method.bulk_q1 method.bulk_q2 time.cfl"),
     "mpm": ({"run": "method='mpm'", "material": SOLID, "speed": 5,
              "more": "&method  transfer='flip'  stress_update='usavg' /"},
             "method.flip method.unseen_strain material.bulk material.shear"),
@@ -135,10 +135,13 @@ def test_changed_numbers(options, sheet, name):
     for group, key, values in numbers_of(run.path(".echo.nml").read_text(encoding="utf-8")):
         if group in ("checkpoint", "log", "parallel", "point", "output", "grains", "cell", "stage", "run"):
             continue
+        if name != "elastic" and group != "material" and f"{group}.{key}" not in felt.split():
+            continue                                    # the first scene changes them
         about = program(options, "--explain", f"{group}.{key}")
         if "kind: integer" in about or "integers" in about or "up to" in about and key != "factors":
             continue
-        value = ",".join(repr(float(v)*1.01 if float(v) else 0.003) for v in values.replace(",", " ").split())
+        old = [float(word) for word in values.replace(",", " ").split()]
+        value = ",".join(repr(0.99 * v if any(old) else 0.003) for v in old)
         again = case.Case(options, f"{name}_{group}_{key}", plain.deck.read_text(encoding="utf-8"))
         frozen = "restart: must not change" in about
         with sheet.part(f"{name} {group}.{key}"):
@@ -154,7 +157,7 @@ def test_changed_numbers(options, sheet, name):
                 assert f" {key} = " in again.output, again.output
                 if again.summary["digest"] != plain.summary["digest"]:
                     unfelt.discard(f"{group}.{key}")
-    sheet.require(tried > 20, f"{tried} numbers were changed")
+    sheet.require(tried > max(3, len(felt.split())), f"{tried} numbers were changed")
     sheet.require(not unfelt, f"these keys change the results: {sorted(unfelt)}")
 
 

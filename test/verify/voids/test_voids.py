@@ -71,8 +71,8 @@ def cycle(options, name, method, words, damage=".true."):
     text = CYCLE.format(method=method, words=words, damage=damage, fields=fields)
     if damage == ".false.":
         text = text.replace("'failed',", "")
-    run = case.Case(options, name, text).run("-q")
-    run.run("-q", "--restart", "-s", "boundary[2].velocity=-0.1,0,0", "-s", "time.t_end=0.25", "-s",
+    run = case.Case(options, name, text).run("-q", "--force")
+    run.run("-q", "--force", "--restart", "-s", "boundary[2].velocity=-0.1,0,0", "-s", "time.t_end=0.25", "-s",
             "output.every=10")
     return [snapshot for _, snapshot in run.snapshots()]
 
@@ -151,9 +151,9 @@ def test_fractured(options, sheet):
     text = CYCLE.replace("density=1000  bulk=1.0e9  shear=6.0e8", "").replace(
         "t_end=0.05", "t_end=0.6").replace("velocity=0.1,", "velocity=-0.3,").replace("every=2", "every=50")
     text = text.format(method="ddmp", words=glass, damage=".true.", fields=",'solid_fraction','bulking'")
-    run = case.Case(options, "glass", text).run("-q")
+    run = case.Case(options, "glass", text).run("-q", "--force")
     for speed, end in ((0.3, 1.4), (-0.3, 2.1)):
-        run.run("-q", "--restart", "-s", f"boundary[2].velocity={speed},0,0", "-s", f"time.t_end={end}")
+        run.run("-q", "--force", "--restart", "-s", f"boundary[2].velocity={speed},0,0", "-s", f"time.t_end={end}")
     states = [snapshot.fields for _, snapshot in run.snapshots()]
     volumes = [state["volume"][0] for state in states]
     widest = int(np.argmax(volumes))
@@ -170,7 +170,7 @@ def test_fractured(options, sheet):
 
 def test_heated(options, sheet):
     """Grains that conduct heat to each other expand into their voids; nothing moves."""
-    run = case.Case(options, "oven", OVEN).run("-q")
+    run = case.Case(options, "oven", OVEN).run("-q", "--force")
     last = run.snapshots()[-1][1]
     first = np.where(last.points[:, 0] < 0.5, 300.0, 900.0)
     change = last.fields["temperature"] - first
