@@ -221,6 +221,12 @@ def draw(rows, problem, path):
     axes.set(xscale="log", yscale="log", xlabel="core-seconds in the steps", ylabel="error", title=problem.title)
     axes.set_ylim(0.7 * min(row["error"] for row in shown), 1.5 * min(FAILED, max(row["error"] for row in shown)))
     guide(axes, problem.dimensions)
+    for axis, label in ((axes.xaxis, "{:g}"), (axes.yaxis, "{:g} %")):
+        factor = 100.0 if "%" in label else 1.0
+        axis.set_major_formatter(lambda value, _, label=label, factor=factor: label.format(factor * value))
+        axis.set_minor_formatter(lambda value, _, label=label, factor=factor:
+                                 label.format(factor * value) if f"{value:e}"[0] in "25" else "")
+        axis.set_tick_params(which="minor", labelsize=7.5)
     axes.grid(True, which="major", color="#eeeeee", lw=0.5)
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8.5)
     figure.tight_layout()
