@@ -12,13 +12,13 @@ import math
 import re
 
 import accuracy_evaluation as evaluation
-from accuracy_evaluation import AT_MOST, DIVERGES, FAILS, NEVER, REACHED, TARGETS
+from accuracy_evaluation import AT_MOST, BELOW, DIVERGES, FAILS, NEVER, REACHED, TARGETS
 from accuracy_problems import METHODS, PROBLEMS, update_of
 
 NAMES = {"waves": "waves in a square", "waves_cube": "waves in a cube", "waves_small": "small waves",
          "flight": "flying bar", "vortex": "vortex", "piston": "shock", "taylor": "Taylor bar", "slope": "slope"}
 BLOCK = re.compile(r"(<!-- made (\w+)(?: (\w+))? -->\n).*?(<!-- end -->)", re.S)
-STATES = {NEVER: "not reached", DIVERGES: "diverges", FAILS: "fails"}
+STATES = {NEVER: "not reached", DIVERGES: "diverges", FAILS: "fails", BELOW: BELOW}
 
 
 def number(value):
@@ -68,7 +68,7 @@ def summary(rows):
             costs = costs_of(rows, name, target)
             first, _ = evaluation.ranking(costs)
             if not first:
-                cells.append("not reached")
+                cells.append(nobody(costs))
             elif len(first) == 1:
                 cells.append(f"**{costs[first[0]].way}** {cost_text(costs[first[0]])}")
             elif AT_MOST in [costs[method].state for method in first]:
@@ -95,7 +95,8 @@ def standings(rows):
                     continue
                 state, rival = evaluation.standing(costs, method)
                 counts.setdefault((method, target), []).append(state)
-                cells.append(standing_text(state, costs[method], costs.get(rival)))
+                cells.append(nobody(costs) if state == "nobody" else
+                             standing_text(state, costs[method], costs.get(rival)))
             lines.append(f"| {NAMES[name]} | {method} | " + " | ".join(cells) + " |")
     lines.append("")
     for (method, target), states in sorted(counts.items(), key=lambda item: (item[0][0], -item[0][1])):
@@ -106,10 +107,13 @@ def standings(rows):
     return "\n".join(lines) + "\n"
 
 
+def nobody(costs):
+    """Why no method has a cost."""
+    return BELOW if BELOW in [cost.state for cost in costs.values()] else "not reached"
+
+
 def standing_text(state, own, other):
     """A cell of the table of standings: the state, the cost, and that of the best rival."""
-    if state == "nobody":
-        return "not reached"
     if state == "open":
         return "open"
     words = f"**{state}**: " + (("≤ " if own.state == AT_MOST else "") + number(own.value) if own.known

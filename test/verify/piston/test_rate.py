@@ -31,7 +31,7 @@ import test_piston
 import tier
 
 SPEED = 400.0
-CELLS = tier.choose((5, 7, 11, 16), smoke=(11,))       # per mm
+CELLS = tier.choose((5, 7, 11, 16), smoke=(5,))       # per mm
 
 
 def strike(options, name, spacing, solid, words):
