@@ -122,8 +122,8 @@ def test_flight(options, sheet, method):
     log = run.path(".log").read_text(encoding="utf-8")
     sheet.require(log.count("load      pull: force  3.000E+00") == 2, "the log names the force at start and end")
     fixed = case.Case(options, f"fixed_{method}", FLIGHT.format(method=method, more="follow=.false.")).run("-q")
-    # the region reaches half a cell beyond its last nodes: from 1.45 to 2.55. The right end leaves it after 0.0275 s, and
-    # the left end, with the opposite force, is in it from 0.0225 s to 0.0775 s; a step is 1 % of that
+    # the region reaches half a cell beyond its last nodes: from 1.45 to 2.55. The right end leaves it after 0.0275 s,
+    # and the left end, with the opposite force, is in it from 0.0225 s to 0.0775 s; a step is 1 % of that
     sheet.near(f"{method}: impulse of a fixed region", fixed.history["impulse_x"][-1], 3.0 * (0.0125 - 0.055), 0.01)
     sheet.below(f"{method}: force that is left", abs(fixed.summary["loads"]["load[1]"]["force_x"]), 1e-12)
 
