@@ -23,6 +23,9 @@ module io_restart
 
    !> Rows that are read together, so that reading takes little memory beyond that of the particles
    integer, parameter :: block_rows = 65536
+   !> A field whose columns belong to groups of the deck that a restart may change: it is read as it
+   !! is in the file, and set for the deck of this run afterwards
+   character(len=*), parameter :: set_anew = "load_marks"
 
    !> Reads the fields of one store. A failure is stored and raised at the end, so that all ranks
    !! make the same collective calls.
@@ -39,6 +42,7 @@ module io_restart
       procedure :: vector => reader_vector                !! Read a vector or tensor field
       procedure :: whole => reader_whole                  !! Read an integer field
       procedure :: check_field => reader_check_field                    !! Is the field complete?
+      procedure :: columns => reader_columns              !! Columns of a field in the file
       procedure :: verify => reader_verify                !! Compare the hash
    end type reader_t
 
@@ -330,6 +334,19 @@ contains
       if (.not. there .and. .not. allocated(self%problem)) call move_alloc(error, self%problem)
    end function reader_check_field
 
+   !> Number of columns of a field in the file, 0 = it is not there.
+   integer function reader_columns(self, path) result(columns)
+      class(reader_t), intent(in) :: self
+      character(len=*), intent(in) :: path                !! Data set, from the root
+      type(data_info_t) :: info
+      type(error_t), allocatable :: error
+
+      columns = 0
+      if (.not. self%source%has(path)) return
+      call self%source%info(path, info, error)
+      if (.not. allocated(error)) columns = info%components
+   end function reader_columns
+
    !> Compare the hash of a field over all ranks. Collective.
    subroutine reader_verify(self, name, check, error)
       class(reader_t), intent(inout) :: self
@@ -404,9 +421,11 @@ contains
 
       path = "/particles/"//self%store//"/"//name
       components = size(values, 2)
+      if (name == set_anew) components = self%columns(path)
       deallocate (values)
       allocate (values(self%count, components), rows(components, min(block_rows, self%count)))
       values = 0.0_wp
+      if (components == 0) return
       check = 0
       if (self%check_field(name)) then
          do first = 1, self%count, block_rows

@@ -42,6 +42,9 @@ module mesh_surface_load
       !> Its place among the loads whose function is stored by the particles, 0 = the region is
       !! fixed in space
       integer :: slot = 0
+      integer(int64) :: region_key = 0               !! Hash of the region, to compare at a restart
+      !> Hash of region, bodies and direction of the stress, to compare at a restart
+      integer(int64) :: surface_key = 0
       type(hold_t) :: hold                           !! Of a load on a closed surface
       integer(int64), allocatable :: bodies(:)       !! Bodies on which the load acts, if not on all
    end type surface_load_t

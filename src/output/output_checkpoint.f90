@@ -8,6 +8,7 @@ module output_checkpoint
    use io_file, only: file_exists, join_path, longest_path
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
+   use output_load_state, only: keep_marks, mark_new_loads, save_loads
    use output_streams, only: outputs_t
    use scene_particles, only: distribute_particles
    use step_body_force, only: update_gravity
@@ -49,8 +50,7 @@ contains
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%clock%dt, simulation%clock%guard%longest])
       call state%set("space", space_of(simulation))
-      if (allocated(simulation%effects%loads)) call state%set("closed_loads", &
-         merge(1_int64, 0_int64, simulation%effects%loads%hold%closed))
+      call save_loads(simulation, state)
       if (allocated(simulation%space%cell)) call state%set("cell", simulation%space%cell%pack())
       if (allocated(simulation%effects%inflows)) call state%set("inflows", &
          [(simulation%effects%inflows(n)%state(state%time), &
@@ -91,8 +91,7 @@ contains
             error, place, changes)
       else
          call checkpoint_find(simulation%machine%communicator, place, simulation%stores, state, &
-            path, &
-            passed, error, changes)
+            path, passed, error, changes)
          if (len(passed) > 0) note = passed//new_line("a")
       end if
       if (allocated(error)) return
@@ -124,42 +123,31 @@ contains
          if (allocated(error)) return
          call simulation%space%cell%unpack(length)
       end if
-      if (allocated(simulation%effects%inflows)) call continue_inflows(simulation, state, error)
-      call resume_loads(simulation, state, error)
+      call continue_inflows(simulation, state, error)
+      if (.not. allocated(error)) call keep_marks(simulation, state, error)
       if (allocated(error)) return
       call outputs%load(state)
       call load_errors(simulation, state)
       call load_trust(simulation%balance%trust, state)
       call distribute_particles(simulation)
+      call mark_new_loads(simulation, state, error)
    end subroutine resume
 
    !> Continue inflows from their displacements, which checkpoints of older versions lack.
    subroutine continue_inflows(simulation, state, error)
-      type(simulation_t), intent(inout) :: simulation !! With inflows
+      type(simulation_t), intent(inout) :: simulation
       type(state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: parts(:)
       integer :: n
 
-      if (.not. state%has("inflows")) return
+      if (.not. (allocated(simulation%effects%inflows) .and. state%has("inflows"))) return
       call state%get("inflows", parts, error)
       if (allocated(error)) return
       do n = 1, size(simulation%effects%inflows)
          call simulation%effects%inflows(n)%continue(state%time, parts(2*n - 1:2*n))
       end do
    end subroutine continue_inflows
-
-   !> Which loads act on closed surfaces.
-   subroutine resume_loads(simulation, state, error)
-      type(simulation_t), intent(inout) :: simulation
-      type(state_t), intent(in) :: state
-      type(error_t), allocatable, intent(out) :: error !! Not in the file
-      integer(int64), allocatable :: closed(:)
-
-      if (.not. allocated(simulation%effects%loads)) return
-      call state%get("closed_loads", closed, error)
-      if (.not. allocated(error)) simulation%effects%loads%hold%closed = closed > 0
-   end subroutine resume_loads
 
    !> Number the next checkpoint after all in the folder: a run that resumes from a given file
    !! keeps later ones.

@@ -137,14 +137,14 @@ contains
    end subroutine sum_load
 
    !> Does the function of a load change in a tile?
-   pure logical function changes(store, tile, slot)
+   pure logical function changes(store, tile, slot) result(yes)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Of the load
       integer :: column
 
       column = mark_columns*(slot - 1)
-      changes = any(abs(store%origin%marks(store%first(tile):store%first(tile) &
+      yes = any(abs(store%origin%marks(store%first(tile):store%first(tile) &
          + store%count(tile) - 1, column + 2:column + 4)) > 0.0_wp)
    end function changes
 

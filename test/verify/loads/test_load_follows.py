@@ -13,6 +13,8 @@ The ring: G. Lame, and the rotating disc in plane strain, in S. P. Timoshenko, J
 1951, sections 26 and 30.
 """
 
+import math
+
 import numpy as np
 import pytest
 
@@ -153,3 +155,48 @@ def test_split(options, sheet):
     sheet.above("particles that were split", run.summary["particles_halved"], 20)
     # the traction is 3e-3 of the bulk modulus, and strains the bar by that much
     sheet.near("force along x", run.summary["loads"]["load[1]"]["force_x"], 3e-3, 3e-3)
+
+
+EXCHANGED = """&run  dimension='plane_strain' /
+&grid  lo=-0.25,0,-0.25  hi=0.25,1,0.25  dx=0.02 /
+&time  t_end={end} /
+&effects  artificial_viscosity=.false. /
+&material  name='m'  density=1000  young=1e7  poisson=0.3 /
+&region  name='o'  shape='cylinder'  centre=0,0,0  axis=0,1,0  radius=0.2  height=2 /
+&region  name='i'  shape='cylinder'  centre=0,0,0  axis=0,1,0  radius=0.1  height=2 /
+&region  name='r'  shape='difference'  of='o','i' /
+&body  name='b'  region='r'  material='m'  packing='cut'  spin=0,5,0 /
+&region  name='bore'  shape='cylinder'  centre=0,0,0  axis=0,1,0  radius=0.15  height=2 /
+&region  name='left'  shape='box'  lo=-1,-1,-1  hi=-0.12,2,1 /
+{loads}
+&output  name='h'  kind='history'  every=10 /
+"""
+BORE = "&load  name='bore'  region='bore'  pressure={pressure} /\n"
+SIDE = "&load  name='side'  region='left'  pressure=5e3 /\n"
+
+
+def test_exchanged(options, sheet):
+    """A restart removes, adds and changes loads. Would catch functions of a load that another load takes over, a load
+    that stays without functions, and results that depend on ranks."""
+    reported = {}
+    for name, loads in (("same", BORE.format(pressure=1e4)), ("both", SIDE + BORE.format(pressure=1e4)),
+                        ("side", SIDE), ("twice", BORE.format(pressure=2e4)), ("none", "")):
+        bits = set()
+        for ranks in (1, 2):
+            if ranks > 1 and not case.has_ranks(options.scree):
+                continue
+            run = case.Case(options, f"{name}_{ranks}", EXCHANGED.format(
+                end=0.01, loads=BORE.format(pressure=1e4)), ranks=ranks).run("-q")
+            run.deck.write_text(EXCHANGED.format(end=0.012, loads=loads), encoding="utf-8")
+            run.run("--restart", "-q")
+            bits.add(run.summary["digest"])
+            reported[name] = {load["name"]: load for load in run.summary.get("loads", {}).values()}
+        sheet.require(len(bits) == 1, f"{name}: the same bits on one rank and on two")
+    area = 2 * math.sqrt(0.2**2 - 0.12**2)
+    for name in ("both", "side"):
+        sheet.near(f"{name}: force of the new load over that on the chord of its region",
+                   reported[name]["side"]["force_x"] / (5e3 * area), 1.0, 0.05)
+    for name in ("same", "both"):
+        sheet.below(f"{name}: force of the pressure in the bore over that on half of it",
+                    math.hypot(*(reported[name]["bore"][f"force_{way}"] for way in "xz")) / (1e4 * 0.2), 1e-5)
+    sheet.require(not reported["none"] and set(reported["side"]) == {"side"}, "removed loads are not reported")
