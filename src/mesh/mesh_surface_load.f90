@@ -122,9 +122,9 @@ contains
             force(p, 3) = force(p, 3) + tensor(xz)*slope(1) + tensor(yz)*slope(2) &
                + tensor(zz)*slope(3)
             if (loads(n)%hold%closed) then
-               point = loads(n)%factor*norm2(slope)*(loads(n)%hold%push + cross( &
-                  loads(n)%hold%turn, position(q, :) - loads(n)%hold%centre))
-               force(p, :) = force(p, :) + point
+               point = [position(q, 1), position(q, 2), position(q, 3)] - loads(n)%hold%centre
+               point = loads(n)%hold%push + cross(loads(n)%hold%turn, point)
+               force(p, :) = force(p, :) + loads(n)%factor*norm2(slope)*point
             end if
          end do
       end do

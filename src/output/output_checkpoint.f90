@@ -103,9 +103,6 @@ contains
             "' belongs to another deck: its dimension in &run differs")
          return
       end if
-      simulation%clock%step = state%step
-      simulation%clock%time = state%time
-      simulation%clock%dt_next = state%dt_next
       call simulation%balance%ledger%load(simulation%machine%communicator, state, error)
       if (allocated(error)) return
       call state%get("checkpoint_number", number, error)
@@ -113,11 +110,8 @@ contains
       place%number = int(number(1)) + 1
       if (len(file) > 0) call pass_by(simulation, place, error)
       if (allocated(error)) return
-      call state%get("last_step_length", length, error)
+      call continue_time(simulation, state, error)
       if (allocated(error)) return
-      simulation%clock%dt = length(1)
-      call update_gravity(simulation)
-      simulation%clock%guard%longest = length(size(length))
       if (allocated(simulation%space%cell)) then
          call state%get("cell", length, error)
          if (allocated(error)) return
@@ -132,6 +126,23 @@ contains
       call distribute_particles(simulation)
       call mark_new_loads(simulation, state, error)
    end subroutine resume
+
+   !> Continue from the time and the step of a checkpoint.
+   subroutine continue_time(simulation, state, error)
+      type(simulation_t), intent(inout) :: simulation
+      type(state_t), intent(in) :: state
+      type(error_t), allocatable, intent(out) :: error !! The checkpoint is incomplete
+      real(wp), allocatable :: length(:)
+
+      simulation%clock%step = state%step
+      simulation%clock%time = state%time
+      simulation%clock%dt_next = state%dt_next
+      call state%get("last_step_length", length, error)
+      if (allocated(error)) return
+      simulation%clock%dt = length(1)
+      simulation%clock%guard%longest = length(size(length))
+      call update_gravity(simulation)
+   end subroutine continue_time
 
    !> Continue inflows from their displacements, which checkpoints of older versions lack.
    subroutine continue_inflows(simulation, state, error)

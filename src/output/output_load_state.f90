@@ -56,8 +56,8 @@ contains
       end do
    end subroutine keep_marks
 
-   !> Set the functions of the loads that the checkpoint does not have, and find which of the changed
-   !! loads act on closed surfaces. Collective.
+   !> Set the functions of the loads that the checkpoint does not have, and find which of the
+   !! changed loads act on closed surfaces. Collective.
    subroutine mark_new_loads(simulation, state, error)
       type(simulation_t), intent(inout) :: simulation !! Particles in their tiles
       type(state_t), intent(in) :: state
