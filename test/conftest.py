@@ -149,7 +149,7 @@ def keep_numbers(item):
         measured.save(rows, path, os.path.relpath(item.path, case.ROOT))
     names |= {row["name"] for row in rows}
     own = item.path.is_relative_to(case.ROOT / "test")     # not a test of the harness in another folder
-    return measured.differences(rows) + (measured.misses(rows) if own else [])
+    return measured.differences(rows) + (measured.misses(rows, os.path.relpath(item.path, case.ROOT)) if own else [])
 
 
 @pytest.hookimpl(wrapper=True)

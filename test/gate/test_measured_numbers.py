@@ -130,10 +130,10 @@ def test_known_misses(monkeypatch, tmp_path):
     old = {name: row(name) for name in ("bar.a", "bar.b", "bar.c")}
     kept = row("bar.c", test="test_other.py")
     assert list(document_numbers.write_known({name: miss(name) for name in old}, old)) == ["bar.a", "bar.b", "bar.c"]
-    assert measured.misses([miss("bar.a"), miss("bar.b"), row("bar.d")]) == []
-    assert "does not list the known miss bar.d" in measured.misses([miss("bar.d")])[0]
-    assert "says 0.1 for the target of bar.a, which is 0.2" in measured.misses([miss("bar.a", 0.2)])[0]
-    assert "lists bar.a, which is no longer" in measured.misses([row("bar.a")])[0]
+    assert measured.misses([miss("bar.a"), miss("bar.b"), row("bar.d")], "test/bar.py") == []
+    assert "does not list the known miss bar.d" in measured.misses([miss("bar.d")], "test/bar.py")[0]
+    assert "says 0.1 for the target of bar.a, which is 0.2" in measured.misses([miss("bar.a", 0.2)], "test/bar.py")[0]
+    assert "lists bar.a, which is no longer" in measured.misses([row("bar.a")], "test/bar.py")[0]
     found = document_numbers.write_known({"bar.a": miss("bar.a", 0.2), "bar.b": row("bar.b")}, {**old, "bar.c": kept})
     assert {name: miss["target"] for name, miss in found.items()} == {"bar.a": 0.2, "bar.c": "0.1"}
     assert document_numbers.table(known)["bar.a"] == {"name": "bar.a", "title": "bar: bar.a", "target": "0.2"}
