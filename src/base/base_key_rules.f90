@@ -7,7 +7,7 @@ module base_key_rules
    implicit none
    private
 
-   public :: change_rule_t, condition_t, find_change, range_t, read_conditions, read_range
+   public :: change_rule_t, condition_t, find_change, holds, range_t, read_conditions, read_range
 
    integer, parameter, public :: change_undeclared = 0   !! Nothing is declared; not allowed
    integer, parameter, public :: may_not_change = 1      !! The state depends on the key

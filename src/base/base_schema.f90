@@ -5,7 +5,7 @@
 !! explanations all walk this one table.
 module base_schema
    use base_key_rules, only: change_rule_t, changes_end, changes_extent, changes_nothing, &
-      changes_physics, condition_t, may_not_change, range_t, read_conditions, read_range
+      changes_physics, condition_t, holds, may_not_change, range_t, read_conditions, read_range
    use base_preset, only: preset_t, read_presets
    use base_text, only: append, split, text_t
    use base_units, only: unit_of, unit_t
@@ -263,18 +263,6 @@ contains
       declared = key > 0
       if (declared) call append(self%groups(rule)%keys(key)%owners(1)%words, word)
    end function schema_extend_owner
-
-   !> True if a word is in a list.
-   pure logical function holds(list, word) result(found)
-      type(text_t), intent(in) :: list(:)
-      character(len=*), intent(in) :: word               !! Word of the deck
-      integer :: i
-
-      found = .false.
-      do i = 1, size(list)
-         found = found .or. list(i)%text == word
-      end do
-   end function holds
 
    !> Declare presets of a group, whose key `preset` must be declared.
    subroutine schema_preset(self, group, lines)

@@ -19,7 +19,7 @@ module mesh_surface_load
    implicit none
    private
 
-   public :: add_loads, hold_t, mark_tile, surface_load_t, set_loads, turn_marks
+   public :: add_loads, cross, hold_t, mark_tile, surface_load_t, set_loads, turn_marks
 
    integer, parameter, public :: mark_columns = 4    !! Of f and its gradient, for each load
 

@@ -9,7 +9,7 @@ module particle_closed_loads
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use mesh_surface_load, only: add_loads, hold_t, mark_columns, surface_load_t
+   use mesh_surface_load, only: add_loads, cross, hold_t, mark_columns, surface_load_t
    use particle_store, only: store_t
    implicit none
    private
@@ -177,12 +177,4 @@ contains
          end do
       end do
    end subroutine sum_tile
-
-   !> Cross product.
-   pure function cross(a, b) result(product)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: product(3)
-
-      product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 end module particle_closed_loads
