@@ -2,20 +2,23 @@
 # With what tests run: environment, mpiexec, Python.
 
 # More ranks than cores, root in a container and no network are the normal case of a test machine; as in
-# test/support/case.py. Ranks and threads that wait release their cores to other tests.
+# test/support/case.py. Ranks and threads that wait release their cores to other tests. Runs without mpiexec would all use
+# one session folder of Open MPI and fail if two create it at once; only mpiexec needs it.
 set(scree_test_environment
    OMP_NUM_THREADS=2 OMP_PROC_BIND=false OMP_WAIT_POLICY=passive OMPI_MCA_mpi_yield_when_idle=1
    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
    OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl=self,vader OMPI_MCA_pml=ob1
-   OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+   OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_orte_create_session_dirs=0 OMPI_MCA_btl_vader_single_copy_mechanism=none
    OMPI_MCA_hwloc_base_binding_policy=none
    PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe PRTE_MCA_hwloc_default_binding_policy=none)
-set(scree_mpiexec "${MPIEXEC_EXECUTABLE}" ${MPIEXEC_PREFLAGS} ${MPIEXEC_NUMPROC_FLAG})
+set(scree_mpiexec ${CMAKE_COMMAND} -E env OMPI_MCA_orte_create_session_dirs=1 "${MPIEXEC_EXECUTABLE}"
+   ${MPIEXEC_PREFLAGS} ${MPIEXEC_NUMPROC_FLAG})
 # Tests in Python call mpiexec and mpirun: that of the MPI of this build comes first in their path.
 if(SCREE_MPI)
    set(scree_starters "${PROJECT_BINARY_DIR}/test/starters")
    foreach(name mpiexec mpirun)
-      file(WRITE "${PROJECT_BINARY_DIR}/CMakeFiles/${name}" "#!/bin/sh\nexec '${MPIEXEC_EXECUTABLE}' \"$@\"\n")
+      file(WRITE "${PROJECT_BINARY_DIR}/CMakeFiles/${name}"
+         "#!/bin/sh\nOMPI_MCA_orte_create_session_dirs=1 exec '${MPIEXEC_EXECUTABLE}' \"$@\"\n")
       file(COPY "${PROJECT_BINARY_DIR}/CMakeFiles/${name}" DESTINATION "${scree_starters}"
          FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
    endforeach()
