@@ -466,7 +466,7 @@ WARNINGS = [
      "&material 'high': is an explosive that no &detonation ignites: it starts as hot products at their full pressure; "
      "add a &detonation with the point where it starts"),
     ("charge", "preset = 'tnt'", "preset = 'tnt'  detonation_speed = 8000", 4,
-     "&material 'high': detonation_speed = 8000 m/s, but the constants jwl_* give a detonation speed of 6927.81 m/s"),
+     "&material 'high': detonation_speed = 8000 m/s, but the constants jwl_* give a detonation speed of 6929.35 m/s"),
     ("charge", "shape = 'plane'  point = 0 0 0  normal = 1 0 0", "point = 0.5 0 0.6", 11,
      "&detonation: lies outside every explosive, more than a cell from the box around it; it ignites all"),
     ("cell", "t_end = 1", "t_end = 0.5", 9, "&stage: ends at t = 1, after t_end; raise t_end to reach it"),
