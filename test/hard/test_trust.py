@@ -205,7 +205,7 @@ def patch(options, name, size=3, dx=0.1, load="traction=0,0,-5  normal=0,0,1", d
     text = PATCH.format(dimension=dimension, size=size, depth=size, dx=dx, end=end, load=load, effects=effects,
                         more=more, time=time, low=-size if space else 0, high=size if space else 1,
                         left=-0.25 if space else 0, right=0.25 if space else 1)
-    return case.Case(options, name, text).run("-q", expect=expect)
+    return case.Case(options, name, text).run("-q", "--force", expect=expect)   # also a step above the stability limit
 
 
 def test_local_load(options, sheet):

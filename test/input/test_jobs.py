@@ -232,11 +232,11 @@ class TestJobs:
         thread."""
         def megabytes(*words):
             return int(re.search(r":mem=(\d+)mb", self.script(options, "--job", "pbs", "--threads", "4", *words))[1])
-        small, fine = megabytes("--ranks", "1"), megabytes("--ranks", "1", "--set", "grid.dx=5e-4")
+        small, fine = megabytes("--ranks", "1"), megabytes("--ranks", "1", "--set", "grid.dx=5e-4", "--unset", "time.dt_fixed")
         assert 256 <= small < 300
         assert fine > small + 2*1.5*100
-        assert megabytes("--ranks", "4", "--set", "grid.dx=5e-4") - 256 < (fine - 256)/4 + 8
-        text = self.script(options, "--job", "slurm", "--ranks", "1", "--threads", "4", "--set", "grid.dx=5e-4")
+        assert megabytes("--ranks", "4", "--set", "grid.dx=5e-4", "--unset", "time.dt_fixed") - 256 < (fine - 256)/4 + 8
+        text = self.script(options, "--job", "slurm", "--ranks", "1", "--threads", "4", "--set", "grid.dx=5e-4", "--unset", "time.dt_fixed")
         assert abs(4*int(re.search(r"mem-per-cpu=(\d+)M", text)[1]) - fine) <= 4
 
     def test_suggestions(self, options):
@@ -245,7 +245,7 @@ class TestJobs:
         text = self.script(options, "--job", "slurm", "--time", "0:05:00")
         assert "#SBATCH --ntasks=1\n" in text
         assert "#SBATCH --signal=USR1@60\n" in text
-        fine = self.script(options, "--job", "slurm", "--set", "grid.dx=5e-4")
+        fine = self.script(options, "--job", "slurm", "--set", "grid.dx=5e-4", "--unset", "time.dt_fixed")
         particles = int(re.search(r"^# (\d+) particles in", fine, re.M)[1])
         assert particles > 1.5e6
         assert f"#SBATCH --ntasks={-(-particles // 10**6)}\n" in fine
