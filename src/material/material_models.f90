@@ -165,17 +165,17 @@ contains
    pure real(wp) function models_start_energy(self, temperature) result(energy)
       class(models_t), intent(in) :: self
       real(wp), optional, intent(in) :: temperature  !! Used if the material has one [K]
+      real(wp) :: cold
 
       energy = 0.0_wp
       if (.not. allocated(self%eos)) return
-      if (allocated(self%heat)) then
-         energy = self%eos%start_energy(temperature)
-         if (self%eos%cold_temperature(self%heat%reference) >= 0.0_wp) energy = energy &
-            + self%heat%specific_heat*(temperature &
-            - self%eos%cold_temperature(self%heat%reference))
-      else
+      if (.not. (allocated(self%heat) .and. present(temperature))) then
          energy = self%eos%start_energy()
+         return
       end if
+      energy = self%eos%start_energy(temperature)
+      cold = self%eos%cold_temperature(self%heat%reference)
+      if (cold >= 0.0_wp) energy = energy + self%heat%specific_heat*(temperature - cold)
    end function models_start_energy
 
    !> Temperature at the start of material of the reference density with an energy, the inverse of
