@@ -2,8 +2,8 @@
 # With what tests run: environment, mpiexec, Python.
 
 # More ranks than cores, root in a container and no network are the normal case of a test machine; as in
-# test/support/case.py. Ranks and threads that wait release their cores to other tests. Runs without mpiexec would all use
-# one session folder of Open MPI and fail if two create it at once; only mpiexec needs it.
+# test/support/case.py. Ranks and threads that wait release their cores to other tests. Runs without mpiexec would all
+# use one session folder of Open MPI and fail if two create it at once; only mpiexec needs it.
 set(scree_test_environment
    OMP_NUM_THREADS=2 OMP_PROC_BIND=false OMP_WAIT_POLICY=passive OMPI_MCA_mpi_yield_when_idle=1
    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1

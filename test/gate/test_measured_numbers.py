@@ -150,7 +150,7 @@ def test_limits_page(monkeypatch, tmp_path):
     page = document_numbers.limits_page()
     assert "## Sizes\n\n| limit |" in page
     assert "| rows | <!--=bar.a-->3<!--=--> | [Page: Its section](page.md#its-section) |" in page
-    assert "`test_bar.py`:" in page and "| bar: b <!--=bar.b - - --> | 0.46 | 0.1 | 1 |" in page
+    assert "| `test_bar` | bar: b <!--=bar.b - - --> | 0.46 | 0.1 | 1 |" in page
     (tmp_path / "page.md").write_text("# Page\n", encoding="utf-8")
     with pytest.raises(ValueError, match="has no section its-section"):
         document_numbers.limits_page()

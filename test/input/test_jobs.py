@@ -25,6 +25,7 @@ DECK = """&run dimension = 'plane_strain'  case = 'block' /
 &region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2 /
 &body name = 'one'  region = 'ball'  material = 'metal'  velocity = 1 0 0 /
 """
+FINE = ("--set", "grid.dx=5e-4", "--unset", "time.dt_fixed")
 SCHEDULERS = ("slurm", "pbs", "lsf", "flux")
 SRUN = """#!/bin/bash
 if [ "$1" = --mpi=list ]; then echo 'MPI plugin types are: pmix none' >&2; exit; fi
@@ -232,11 +233,11 @@ class TestJobs:
         thread."""
         def megabytes(*words):
             return int(re.search(r":mem=(\d+)mb", self.script(options, "--job", "pbs", "--threads", "4", *words))[1])
-        small, fine = megabytes("--ranks", "1"), megabytes("--ranks", "1", "--set", "grid.dx=5e-4", "--unset", "time.dt_fixed")
+        small, fine = megabytes("--ranks", "1"), megabytes("--ranks", "1", *FINE)
         assert 256 <= small < 300
         assert fine > small + 2*1.5*100
-        assert megabytes("--ranks", "4", "--set", "grid.dx=5e-4", "--unset", "time.dt_fixed") - 256 < (fine - 256)/4 + 8
-        text = self.script(options, "--job", "slurm", "--ranks", "1", "--threads", "4", "--set", "grid.dx=5e-4", "--unset", "time.dt_fixed")
+        assert megabytes("--ranks", "4", *FINE) - 256 < (fine - 256)/4 + 8
+        text = self.script(options, "--job", "slurm", "--ranks", "1", "--threads", "4", *FINE)
         assert abs(4*int(re.search(r"mem-per-cpu=(\d+)M", text)[1]) - fine) <= 4
 
     def test_suggestions(self, options):
@@ -245,7 +246,7 @@ class TestJobs:
         text = self.script(options, "--job", "slurm", "--time", "0:05:00")
         assert "#SBATCH --ntasks=1\n" in text
         assert "#SBATCH --signal=USR1@60\n" in text
-        fine = self.script(options, "--job", "slurm", "--set", "grid.dx=5e-4", "--unset", "time.dt_fixed")
+        fine = self.script(options, "--job", "slurm", *FINE)
         particles = int(re.search(r"^# (\d+) particles in", fine, re.M)[1])
         assert particles > 1.5e6
         assert f"#SBATCH --ntasks={-(-particles // 10**6)}\n" in fine
