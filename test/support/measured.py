@@ -107,7 +107,7 @@ def differences(rows):
     return wrong
 
 
-def recorded(test):
+def is_recorded(test):
     """True if numbers of a test were recorded in this tier. A study of the tier long may never have been."""
     return any(row["test"] == test and row["tier"] == tier.NAME
                for row in document_numbers.table(document_numbers.MEASURED).values())
@@ -116,7 +116,7 @@ def recorded(test):
 def misses(rows, test):
     """Known misses of a test that the page of limits does not list, or lists with another target."""
     known, wrong = document_numbers.table(document_numbers.KNOWN), []
-    for row in rows if tier.NAME == "full" or tier.NAME == "long" and recorded(test) else ():
+    for row in rows if tier.NAME == "full" or tier.NAME == "long" and is_recorded(test) else ():
         name, told = row["name"], known.get(row["name"])
         if "target" not in row:
             if told and compared(name):
