@@ -183,8 +183,36 @@ GRAIN_CELL = """&grains shape = 'discs'  number = 100  diameter = 1e-3  density 
 """
 SOFT_GRAINS = GRAIN_CELL.replace("1e6", "1e2").replace("1e3 /", "1e3  speed = 0.1 /").replace("1e-4", "1")
 
+SOLID_LATTICE = GRAIN_CELL.replace("'discs'  number = 100", "'spheres'").replace(
+    "&cell", "&cell packing = 'fcc'  cells = 4 4 4 ")
+FIXED = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 1 1 1  dx = 0.1 /
+&time t_end = 1e-3  dt_fixed = 3e-5 /
+&material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
+&region name = 'block'  shape = 'box'  lo = 0.2 0 0.2  hi = 0.8 1 0.8 /
+&body name = 'one'  region = 'block'  material = 'metal' /
+"""
+
 SITUATIONS = {
+    # fixed time steps
+    "D231": {
+        "files": {"scene.nml": FIXED}, "shows": "&time t_end = 1e-3  dt_fixed = 3e-5 /", "commands": [CHECK],
+        "right": "&time t_end = 1e-3  dt_fixed = 7e-6 /",
+        "right_files": {"scene.nml": FIXED.replace("3e-5", "7e-6")}},
+    "D232": {
+        "files": {"scene.nml": FIXED.replace("3e-5", "1.4e-5")}, "shows": "&time t_end = 1e-3  dt_fixed = 1.4e-5 /",
+        "commands": [CHECK], "right": "&time t_end = 1e-3  dt_fixed = 7e-6 /",
+        "right_files": {"scene.nml": FIXED.replace("3e-5", "7e-6")}},
     # cells of grains
+    "D448": {
+        "files": {"cell.nml": SOLID_LATTICE.replace("4 4 4", "2000 2000 2000")},
+        "shows": "&cell packing = 'fcc'  cells = 2000 2000 2000  pressure = 1e3 /",
+        "commands": ["scree --grains --check cell.nml"],
+        "right": "&cell packing = 'fcc'  cells = 4 4 4  pressure = 1e3 /", "right_files": {"cell.nml": SOLID_LATTICE}},
+    "D449": {
+        "files": {"cell.nml": GRAIN_CELL.replace("1e-4", "1e300")},
+        "shows": "&stage servo = 'isotropic'  duration = 1e300 /", "commands": ["scree --grains --check cell.nml"],
+        "right": "&stage servo = 'isotropic'  duration = 1e-4 /", "right_files": {"cell.nml": GRAIN_CELL}},
     "D347": {
         "files": {"cell.nml": GRAIN_CELL.replace("'isotropic'", "'xyz'")},
         "text": "Discs with servos along three axes:",

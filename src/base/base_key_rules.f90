@@ -77,7 +77,7 @@ contains
    !> True if a word is in a list.
    pure logical function holds(list, word) result(found)
       type(text_t), intent(in) :: list(:)
-      character(len=*), intent(in) :: word
+      character(len=*), intent(in) :: word               !! Word to find
       integer :: i
 
       found = .false.

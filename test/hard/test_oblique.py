@@ -112,7 +112,7 @@ def test_late(options, sheet, name, speed):
     if name == "oblique":
         jet = snaps[most].fields["velocity"][speeds[most] > 1.5].mean(axis=0)
         angle = float(np.degrees(np.arctan2(-jet[2], jet[0])))
-        sheet.above(f"{name}: angle of the jet with the sheet [degree]", angle, 10.0)
+        sheet.above(f"{name}: least angle of the jet with the sheet [degree]", angle, 10.0)
         sheet.known(f"{name}: angle of the jet with the sheet [degree]", angle, limit=22.5, target=14.0)
     sheet.below(f"{name}: the same after the impact, 4 us", max(fastest[6:]), 1.0)
     sheet.below(f"{name}: growth of it from then on", max(
