@@ -157,7 +157,7 @@ def test_changed_numbers(options, sheet, name):
                 assert f" {key} = " in again.output, again.output
                 if again.summary["digest"] != plain.summary["digest"]:
                     unfelt.discard(f"{group}.{key}")
-    sheet.require(tried > max(3, len(felt.split())), f"{tried} numbers were changed")
+    sheet.require(tried >= max(2, len(felt.split())), f"{tried} numbers were changed")
     sheet.require(not unfelt, f"these keys change the results: {sorted(unfelt)}")
 
 
