@@ -118,6 +118,8 @@ module step_ledger
       ledger_entry_t("retired_mass", "kg", .true.), &
       ledger_entry_t("damped", "J", .true.)]
 
+   !> Turning motion relative to that about the origin below which its error is rounding [1]
+   real(wp), parameter :: least_turn = 1.0e-6_wp
    !> Sums over particles that only scales of errors use.
    integer, parameter :: scale_count = 6
    !> Number of entries that accumulate.
@@ -281,7 +283,8 @@ contains
       ! in a periodic box angular momentum has no meaning
       if (any(grid%periodic)) drift = 0.0_wp
       now%angular_error = ratio(norm2(drift), self%angular_scale)
-      self%turn_scale = max(self%turn_scale, turning_motion(scales, now%entry))
+      self%turn_scale = max(self%turn_scale, turning_motion(scales, now%entry), &
+         least_turn*self%angular_scale)
       now%turn_error = ratio(norm2(drift), self%turn_scale)
       now%energy_error = ratio(now%total - self%start%total - now%entry(external_work), &
          max(abs(self%start%total), abs(now%entry(external_work))))

@@ -196,6 +196,10 @@ def test_rotation_is_not_rated(options, sheet):
     sheet.above("floor: the wall exerts a torque", float(abs(run.history["torque_impulse_y"]).max()), 1.0e-6)
     run = turn(options, "vibrating", "transfer='rflip'", motion="velocity_formula='2*x','0','0'", end=0.2)
     sheet.require(run.summary["trust"]["angular"]["verdict"] == "ok", f"vibrating: ok: {run.summary['trust']}")
+    # rounding of a body that does not turn, relative to the rounding of its turning motion, would be of order 1
+    for name, words, x in (("flying", "velocity=1,0,0.3", 0.0), ("far", "velocity=1,0,0", 2.0), ("still", "", 1.0)):
+        run = turn(options, name, "transfer='rflip'", motion=words, end=0.1, x=x)
+        sheet.below(f"{name}: angular momentum", run.summary["trust"]["angular"]["value"], 1.0e-6)
 
 
 def patch(options, name, size=3, dx=0.1, load="traction=0,0,-5  normal=0,0,1", dimension="plane_strain", end=0.3,
