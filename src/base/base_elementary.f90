@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Exponential function, natural logarithm and power of sums, products, quotients and bit operations
-!! alone, without branches.
+!! alone, without branches; the cross product.
 !!
 !! Compilers vectorise loops over them, and the vector body, the remainder and a single number have
 !! the same bits. Those of the mathematics library differ between its scalar and its vector
@@ -17,7 +17,7 @@ module base_elementary
    implicit none
    private
 
-   public :: exponential, logarithm, power, take_exponentials, take_fast_powers, &
+   public :: cross, exponential, logarithm, power, take_exponentials, take_fast_powers, &
       take_logarithms, take_powers
 
    !> Adding it to a number below 2**51 leaves the nearest integer in the last bits of the sum.
@@ -302,4 +302,12 @@ contains
          x(i) = exponential(exponent*max_of(logarithm(x(i)), least))
       end do
    end subroutine take_fast_powers
+
+   !> Cross product.
+   pure function cross(a, b) result(product)
+      real(wp), intent(in) :: a(3), b(3)                   !! The factors
+      real(wp) :: product(3)
+
+      product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+   end function cross
 end module base_elementary

@@ -11,6 +11,7 @@
 !! gradient, which are those of the region at the start and follow the deformation.
 module mesh_surface_load
    use base_constants, only: xx, xy, xz, yy, yz, zz
+   use base_elementary, only: cross
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t, lanes
    use mesh_motion, only: motion_t
@@ -19,7 +20,7 @@ module mesh_surface_load
    implicit none
    private
 
-   public :: add_loads, cross, hold_t, mark_tile, surface_load_t, set_loads, turn_marks
+   public :: add_loads, hold_t, mark_tile, surface_load_t, set_loads, turn_marks
 
    integer, parameter, public :: mark_columns = 4    !! Of f and its gradient, for each load
 
@@ -222,14 +223,6 @@ contains
          end do
       end do
    end subroutine turn_cell
-
-   !> Cross product.
-   pure function cross(a, b) result(product)
-      real(wp), intent(in) :: a(3), b(3)             !! The factors
-      real(wp) :: product(3)
-
-      product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 
    !> The function f at the nodes of a tile: 1 in the region, else 0.
    pure subroutine mark_nodes(region, grid, coordinate, inside)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The resultants of the loads on surfaces, for the log and the summary.
 module output_loads
+   use base_elementary, only: cross
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use base_log, only: log_t
@@ -8,7 +9,6 @@ module output_loads
    use io_summary, only: json_t
    use mesh_surface_load, only: add_loads, surface_load_t
    use particle_store, only: store_t
-   use step_ledger, only: cross
    use step_simulation, only: simulation_t, space_t
    implicit none
    private
@@ -90,6 +90,8 @@ contains
          force = store%state%volume(q)*density(p, :)
          place = store%position(q, :)
          both = [force, cross(place, force)]
+         ! the radial forces of a ring cancel
+         if (space%grid%axisymmetric) both([1, 2, 4, 5, 6]) = 0.0_wp
          do k = 1, 6
             call sums(k)%add(both(k))
          end do

@@ -6,10 +6,11 @@
 !! particles where the function of the load changes. Equation (O.5) of doc/theory/instruments.md.
 module particle_closed_loads
    use base_communicator, only: communicator_t
+   use base_elementary, only: cross
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use mesh_surface_load, only: add_loads, cross, hold_t, mark_columns, surface_load_t
+   use mesh_surface_load, only: add_loads, hold_t, mark_columns, surface_load_t
    use particle_store, only: store_t
    implicit none
    private

@@ -3,6 +3,7 @@
 !! `scene_first_state`, and particles of a checkpoint distributed over ranks.
 module scene_particles
    use base_communicator, only: communicator_t
+   use base_elementary, only: cross
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
@@ -21,7 +22,6 @@ module scene_particles
    use particle_volume_factors, only: set_volume_factors
    use scene_cell, only: start_cell
    use scene_contact, only: bond_stores, store_name
-   use step_ledger, only: cross
    use step_normalised_sums, only: choose_normalised
    use step_simulation, only: simulation_effects_t, simulation_t
    use step_sort_particles, only: count_particles, sort_particles

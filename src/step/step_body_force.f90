@@ -8,11 +8,12 @@
 !! constant gravity. Between steps gravity is that of the present time; nothing is kept for a
 !! restart.
 module step_body_force
+   use base_elementary, only: cross
    use base_kinds, only: wp
    use exact_solution, only: exact_t
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
-   use step_ledger, only: cross, external_work, impulse, torque
+   use step_ledger, only: external_work, impulse, torque
    use step_particles_to_nodes, only: find_loads, locate_particles
    use step_simulation, only: clock_t, scheme_t, scratch_t, simulation_effects_t, simulation_t, &
       velocity_field_t

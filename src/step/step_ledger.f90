@@ -4,6 +4,7 @@
 !! Equations (L.5) and (L.6) of doc/theory/ledger.md.
 module step_ledger
    use base_communicator, only: communicator_t
+   use base_elementary, only: cross
    use base_error, only: error_t, exit_file, fail
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
@@ -15,7 +16,7 @@ module step_ledger
    implicit none
    private
 
-   public :: balance_t, cross, ledger_entries, ledger_t
+   public :: balance_t, ledger_entries, ledger_t
 
    !> A column of the ledger. Entries that accumulate are sums since the start, the others are sums
    !! over the particles in the box.
@@ -405,15 +406,6 @@ contains
          sums(failed_mass) = sums(failed_mass) + store%state%mass(p)
       end do
    end subroutine sum_tile
-
-   !> Vector product.
-   pure function cross(a, b) result(product)
-      real(wp), intent(in) :: a(3)                   !! Left factor
-      real(wp), intent(in) :: b(3)                   !! Right factor
-      real(wp) :: product(3)
-
-      product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 
    !> Quotient, 0 if the scale is 0.
    pure real(wp) function ratio(part, whole) result(quotient)

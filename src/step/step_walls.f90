@@ -2,12 +2,13 @@
 !> Walls on the nodes of a tile: boundaries of the domain and rigid regions. Impulse and work of
 !! walls and of gravity.
 module step_walls
+   use base_elementary, only: cross
    use base_kinds, only: wp
    use mesh_rigid, only: held_t
    use mesh_wall, only: wall_t
    use mesh_wall_sums, only: wall_push_t
    use step_dissipation, only: damps, record_damped
-   use step_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use step_ledger, only: external_work, impulse, ledger_t, torque
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
