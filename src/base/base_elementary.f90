@@ -305,7 +305,7 @@ contains
 
    !> Cross product.
    pure function cross(a, b) result(product)
-      real(wp), intent(in) :: a(3), b(3)                   !! The factors
+      real(wp), intent(in) :: a(3), b(3)                   !! Vectors
       real(wp) :: product(3)
 
       product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
