@@ -19,10 +19,7 @@ COLOURS = {"ddmp": "#b3311b", "ddmp control": "#e08214", "mpm": "#8a6d3b", "gimp
            "quadratic": "#1f5a93", "cubic": "#6aa3d5", "cpdi": "#6a4098"}
 REACHED, AT_MOST, NEVER, DIVERGES, FAILS = "reached", "at most", "never", "diverges", "fails"
 BELOW = "below the accuracy of the reference"
-# Least error that is significant, by problem and version of its rows. Until ac6cf734f164 the bar had a strain of 5e-3,
-# and its solution of small strain was exact to 0.1 % of the amplitude.
-SIGNIFICANT = {("flight", "ac6cf734f164"): 0.002}
-REFERENCE = {"taylor": 0.002}            # the same for rows of all versions
+REFERENCE = {"taylor": 0.002}            # least error that is significant, by problem
 
 
 @dataclass(frozen=True)
@@ -111,8 +108,7 @@ def cost_at(line, error, spread):
 
 def least_error(rows):
     """Least error of a problem that is significant."""
-    name = rows[0]["problem"]
-    return max(REFERENCE.get(name, 0.0), *(SIGNIFICANT.get((name, row["commit"]), 0.0) for row in rows))
+    return REFERENCE.get(rows[0]["problem"], 0.0)
 
 
 def method_cost(rows, method, error):
