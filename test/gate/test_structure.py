@@ -7,6 +7,7 @@ conditions, and a folder with too many modules.
 """
 
 import re
+import warnings
 
 from sources import COVERED, END_PROCEDURE, PROCEDURE, ROOT, TYPE, lines_of, place, project_files, statements
 
@@ -126,7 +127,9 @@ class TestStructure:
         assert len(found) == 0, "\n" + "\n".join(found)
 
     def test_modules_of_a_folder(self):
-        """Subfolders of a folder of src/ contain variants for different builds, of which one is compiled."""
-        found = [f"src/{folder} has {count} modules, limit {MODULES}" for folder in COVERED
-                 for count in [len(list((ROOT / "src" / folder).glob("*.f90")))] if count > MODULES]
-        assert found == []
+        """Warns only: a room is divided by its subjects, so a count does not decide where a module goes.
+        Subfolders of a folder of src/ contain variants for different builds, of which one is compiled."""
+        for folder in COVERED:
+            count = len(list((ROOT / "src" / folder).glob("*.f90")))
+            if count > MODULES:
+                warnings.warn(f"src/{folder} has {count} modules, more than {MODULES}: divide it by subjects", stacklevel=1)
