@@ -27,6 +27,8 @@ NOTEBOOKS = "doc/learn/notebooks"
 #: Pages that are not in doc/, by their path in the repository.
 PAGES = {"CHANGELOG.md": "changes.md", "CONTRIBUTING.md": "contributing.md", "README.md": "readme.md",
          "doc/ford.md": MODULES}
+#: Weight of pages in the search, so that a search for a key finds its declaration first and pages for developers last.
+SEARCH_BOOST = {"reference/keys.md": 20.0, "developer/": 0.5, "api/": 0.5, "changes.md": 0.5}
 ASSETS = ("formulas.js", "site.css", "favicon.svg", "iframe-worker.js")
 MATHJAX = Path(mathjax.__file__).parent / "static/mathjax/es5/tex-svg-full.js"
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
@@ -183,7 +185,10 @@ def on_files(files, config):
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Replace links that are valid in the repository by links to pages of the site."""
+    """Replace links that are valid in the repository by links to pages of the site; weigh the page in the search."""
+    for start, boost in SEARCH_BOOST.items():
+        if page.file.src_uri.startswith(start):
+            page.meta["search"] = {"boost": boost, **page.meta.get("search", {})}
     if page.file.src_uri.startswith(("files/", "api/fortran/")):
         return markdown
     if page.file.src_uri == MODULES:
