@@ -132,4 +132,5 @@ class TestStructure:
         for folder in COVERED:
             count = len(list((ROOT / "src" / folder).glob("*.f90")))
             if count > MODULES:
-                warnings.warn(f"src/{folder} has {count} modules, more than {MODULES}: divide it by subjects", stacklevel=1)
+                warnings.warn(f"src/{folder} has {count} modules, more than {MODULES}: divide it by subjects",
+                              stacklevel=1)
