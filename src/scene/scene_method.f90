@@ -97,8 +97,9 @@ contains
 
       call schema%text("method", "stress_update", "when the stress is updated: usl after the "// &
          "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
-         "of both maps, which conserves energy; default: usl with ddmp, musl with mpm and "// &
-         "where elastic bodies have contact", words="usl usf musl usavg")
+         "of both maps, which conserves energy; default: usl with ddmp, musl with mpm, with "// &
+         "transfer = apic or aflip, and where elastic bodies have contact", &
+         words="usl usf musl usavg")
       call schema%real("method", "unseen_strain", "fraction of the velocity change that nodes "// &
          "gain and particles do not receive that is used in the strain, with stress_update = "// &
          "'usavg'; damps pressure differences between particles; default: 0 where all material "// &
@@ -153,6 +154,10 @@ contains
       if (.not. allocated(method%transfer)) call choose_velocity("flip", method%transfer)
       call method%transfer%read(deck, group)
       if (.not. method%dual .and. basis == "linear") call warn_of_linear(method, deck, group, word)
+      if (method%dual .and. method%stress == stress_after .and. method%transfer%affine() .and. &
+         .not. method%transfer%turning()) call deck%warn(group, "transfer = '"//word//"' with "// &
+         "stress_update = 'usl' gains energy without bound where bodies vibrate; remove "// &
+         "stress_update", "stress_update")
       if (method%transfer%turning()) then
          call group%get("turn_from", word)
          method%smooth_turn = word == "tiles"

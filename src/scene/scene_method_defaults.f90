@@ -37,7 +37,7 @@ contains
    !> Set the defaults that depend on other keys.
    subroutine set_dependent_defaults(deck)
       type(deck_t), intent(inout) :: deck
-      character(len=:), allocatable :: method, dimension, alpha
+      character(len=:), allocatable :: method, dimension, alpha, transfer
       logical :: paper, may
       type(group_t) :: run, group
 
@@ -62,8 +62,10 @@ contains
       call group%get("alpha", alpha)
       if (.not. group%given("blend")) call deck%set_default("method", 1, "blend", &
          trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
-      if (.not. group%given("stress_update")) &
-         call deck%set_default("method", 1, "stress_update", trim(stress_names(stress_after)))
+      call group%get("transfer", transfer)
+      ! a whole linear velocity field of the particles gains energy without bound with usl
+      if (.not. group%given("stress_update")) call deck%set_default("method", 1, "stress_update", &
+         trim(stress_names(merge(stress_remapped, stress_after, any(transfer == ["apic ", "aflip"])))))
    end subroutine set_dependent_defaults
 
    !> In contact, elastic bodies are strained with the velocities of their particles (musl):
