@@ -103,7 +103,7 @@ contains
          if (size(items) > number_of_values) then
             problem = too_many(key, subscript, tokens, items)
          else if (key%exact .and. subscript == 0 .and. size(items) < number_of_values) then
-            problem = expectation(key)//", not "//number(size(items))
+            problem = expectation(key)//", not "//number(size(items))//" values"
          end if
       end if
       if (problem == "") return
@@ -120,7 +120,7 @@ contains
       character(len=:), allocatable :: problem
       integer :: i
 
-      problem = expectation(key)//", not "//number(size(items))
+      problem = expectation(key)//", not "//number(size(items))//" values"
       if (subscript > 0) problem = expectation(key)//"; there is no value "// &
          number(key%number_of_values + 1)
       do i = 1, size(tokens)

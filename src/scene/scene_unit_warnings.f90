@@ -20,18 +20,15 @@ module scene_unit_warnings
    end type usual_t
 
    !> Limits are the density of foam and osmium; sound speed of rubber foam and diamond; heat
-   !! capacity of lead and hydrogen; yield stress of gel and of whiskers; the shear modulus of
-   !! metals increases by a few per cent per gigapascal (D. J. Steinberg, S. G. Cochran, M. W.
+   !! capacity of lead and hydrogen; the shear modulus of metals increases by a few per cent per gigapascal (D. J. Steinberg, S. G. Cochran, M. W.
    !! Guinan, J. Appl. Phys. 51 (1980) 1498).
-   type(usual_t), parameter :: usual(5) = [ &
+   type(usual_t), parameter :: usual(4) = [ &
       usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene", &
       "is heavier than osmium"), &
       usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "is slower than a wave in soft foam", &
       "is faster than any wave in a material"), &
       usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any material", &
       "is more than that of hydrogen"), &
-      usual_t("jc_a          ", 1.0e2_wp, 1.0e11_wp, "is softer than a gel", &
-      "is stronger than any material"), &
       usual_t("scg_gp        ", 0.0_wp, 1.0e-7_wp, "", &
       "is that of a table per Mbar (6.52 is 6.52e-11)")]
    real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in materials [m/s]
@@ -100,8 +97,6 @@ contains
          unit = "m/s "
       case ("specific_heat")
          unit = "J/(kg K) "
-      case ("jc_a")
-         unit = "Pa "
       case default
          unit = "1/Pa "
       end select

@@ -475,7 +475,7 @@ WARNINGS = [
     ("plain", "density = 2700", "density = 2.7e6", 4, "is heavier than osmium; is &units missing?"),
     ("plain", "young = 70e9", "young = 70", 5, "gives a wave speed of 0.161015 m/s; is &units missing?"),
     ("shock", "jc_a = 0.265", "jc_a = 265", 8,
-     "is stronger than any material; is &units system = 'mm-us-mg' right?"),
+     "&material 'al': jc_a = 265e9 Pa is 3.4 times the bulk modulus"),
     ("shock", "mg_c0 = 5.35", "mg_c0 = 5350", 7, "mg_c0 = 5350000 m/s is faster than any wave"),
     ("shock", "specific_heat = 8.75e-4", "specific_heat = 875", 9,
      "specific_heat = 8.75e8 J/(kg K) is more than that of hydrogen"),
