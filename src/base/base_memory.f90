@@ -76,7 +76,7 @@ contains
    !> The integer after the first word, or first words, of a row of a file; unlimited if there is no
    !! such file, row or integer.
    integer(int64) function kernel_number(file, row) result(number)
-      character(len=*), intent(in) :: file
+      character(len=*), intent(in) :: file               !! Path
       character(len=*), intent(in) :: row                !! Beginning of the row, empty: the first
       character(len=200) :: line
       integer :: unit, status

@@ -168,7 +168,7 @@ contains
    !! (12 spheres or 6 discs in a dense cell; next to none while grains are far apart).
    real(wp) function grains_memory(deck, ranks) result(bytes)
       type(deck_t), intent(in) :: deck               !! Without errors
-      integer, intent(in) :: ranks
+      integer, intent(in) :: ranks                   !! Number of them
       real(wp), parameter :: own = 740.0_wp, neighbour = 370.0_wp
       type(group_t) :: cell, grains, stage
       character(len=:), allocatable :: packing, shape

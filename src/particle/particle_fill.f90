@@ -25,7 +25,7 @@ contains
       integer, intent(in) :: body
       integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
-      integer(int64), intent(out) :: number
+      integer(int64), intent(out) :: number           !! Particles
       real(wp), intent(out) :: volume                 !! [m3]
       integer :: sites(3), x, y, z
       real(wp) :: low(3), high(3), edge(3), middle(3), position(3), share
@@ -58,7 +58,7 @@ contains
       end do
    end subroutine count_sites
 
-   !> True if a body surely contains all of its sites in a tile. Around an axis their volumes differ.
+   !> True if a body surely contains all its sites in a tile. Around an axis their volumes differ.
    pure logical function is_full(grid, body, coordinate, sites) result(full)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body

@@ -264,9 +264,7 @@ contains
       class(shape_t), intent(in) :: self
       real(wp), intent(in) :: low(3), high(3)        !! Corners [m]
 
-      associate (unused => self, corner => low + high)
-         spans = .false.
-      end associate
+      spans = .false.
    end function shape_spans
 
    !> True if a box along the coordinates contains all points of another one.

@@ -41,7 +41,8 @@ contains
          rounds = candidates%rounds(communicator)
          call progress%start(communicator%rank)
          !$omp parallel default(none) private(round, coordinate, dealt, sums, own) &
-         !$omp shared(communicator, grid, bodies, body, candidates, lattice, given, rounds, progress)
+         !$omp shared(communicator, grid, bodies, body, candidates, lattice, given, rounds) &
+         !$omp shared(progress)
          call own(1)%clear()
          call own(2)%clear()
          !$omp do schedule(dynamic, 4)

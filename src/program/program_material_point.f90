@@ -113,9 +113,9 @@ contains
       rows = valid_rows(table)
       call write_file(name, csv(point%header(), table(:, :rows)), error)
       if (allocated(error)) return
-      if (rows < size(table, 2)) call fail(error, exit_physics, "the state of the material point "// &
-         "is not finite in row "//number(rows + 1)//" of "//number(size(table, 2))//", "// &
-         merge("particle_speed", "strain        ", point%path == "hugoniot")//" = "// &
+      if (rows < size(table, 2)) call fail(error, exit_physics, "the state of the material "// &
+         "point is not finite in row "//number(rows + 1)//" of "//number(size(table, 2))//", "// &
+         trim(merge("particle_speed", "strain        ", point%path == "hugoniot"))//" = "// &
          brief(table(merge(1, 2, point%path == "hugoniot"), rows + 1))//"; "//name// &
          " has the rows before it: reduce strain, rate or speed in &point, or check the constants")
       note = "point     "//material%name//"  "//point%path//"  "//name

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Memory of a run: refuses one that needs more than there is, before it allocates anything, and ends
-!! the program with a message where the system refuses memory nevertheless.
+!> Memory of a run: refuses one that needs more than there is, before it allocates anything, and
+!! ends the program with a message where the system refuses memory nevertheless.
 module program_memory
    use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
@@ -57,7 +57,8 @@ contains
       if (communicator%size > 1) text = text//" for equal parts of all ranks"
       text = text//"; "//remedy//", use more nodes"
       if (refuses) then
-         call deck%add_error(group, text//", or continue with --force", key)
+         text = text//", or continue with --force"
+         call deck%add_error(group, text, key)
       else
          call deck%warn(group, text, key)
       end if
@@ -65,7 +66,7 @@ contains
 
    !> True if this process has memory for so many bytes.
    logical function memory_suffices(bytes) result(yes)
-      real(wp), intent(in) :: bytes
+      real(wp), intent(in) :: bytes                      !! Need of the process
       type(communicator_t) :: alone
 
       yes = bytes <= memory_left(alone)
@@ -92,8 +93,6 @@ contains
       integer(c_size_t) :: ignored
       integer :: n
 
-      associate (unused => place, also => form)
-      end associate
       do n = 1, len(text)
          letters(n) = text(n:n)
       end do

@@ -24,10 +24,13 @@ module program_plausible
    !! shear modulus of rubber is 5e-4 of the bulk modulus; an isotropic material with a ratio above
    !! 1.5 is wider under tension.
    real(wp), parameter :: least_ratio = 1.0e-7_wp, most_strength = 1.0_wp, most_shear = 10.0_wp
+   real(wp), parameter :: most_load = 10.0_wp            !! Pressures of explosives on porous bodies
    real(wp), parameter :: usual_strength = 3.0e-3_wp, usual_shear = 0.4_wp
    real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in materials [m/s]
    real(wp), parameter :: usual_speed = 3.0e3_wp         !! Waves in solids [m/s]
    real(wp), parameter :: most_mach = 10.0_wp            !! Speed over the wave speed
+   !> Centrifuges for models of soil reach 500 times the gravity of the earth.
+   real(wp), parameter :: most_gravity = 6.0e3_wp        !! [m/s2]
    real(wp), parameter :: fewest = 5.0_wp                !! Steps that show a motion
    !> 1e8 steps of 1e4 particles take three days on a core.
    real(wp), parameter :: most_steps = 1.0e8_wp
@@ -47,12 +50,18 @@ contains
       type(simulation_t), intent(in) :: simulation       !! Without particles
       type(body_t), intent(in) :: bodies(:)
       type(limits_t), intent(in) :: limits               !! End of the run
-      real(wp) :: wave, largest
+      real(wp) :: wave, largest, bulk, pressure
+      type(group_t) :: load
       integer :: n
+      logical :: plausible
 
       largest = 0.0_wp
+      bulk = 0.0_wp
+      plausible = .true.
       do n = 1, size(simulation%materials)
-         call check_stresses(schema, deck, deck%group("material", n), simulation%materials(n))
+         call check_stresses(schema, deck, deck%group("material", n), simulation%materials(n), &
+            plausible)
+         bulk = max(bulk, simulation%materials(n)%bulk)
          if (.not. is_gas(simulation%materials(n))) &
             largest = max(largest, simulation%materials(n)%reference_speed())
       end do
@@ -68,22 +77,33 @@ contains
       do n = 1, deck%count("inflow")
          call check_speed(deck, deck%group("inflow", n), "velocity", largest)
       end do
-      call check_steps(deck, simulation, bodies, limits)
+      do n = 1, deck%count("load")
+         load = deck%group("load", n)
+         if (.not. (load%given("pressure") .and. bulk > 0.0_wp)) cycle
+         call load%get("pressure", pressure)
+         if (abs(pressure) > most_load*bulk) &
+            call warn_ratio(deck, load, "pressure", pressure, bulk, usual_strength)
+      end do
+      call check_gravity(deck, deck%group("effects", 1))
+      if (deck%sound("time") .and. limits%time_end > 0.0_wp) &
+         call check_steps(deck, simulation, bodies, limits, plausible)
    end subroutine check_plausible
 
    !> Compare all stresses of a material with its bulk modulus.
-   subroutine check_stresses(schema, deck, group, material)
+   subroutine check_stresses(schema, deck, group, material, plausible)
       type(schema_t), intent(in) :: schema
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group                 !! The &material
       type(material_t), intent(in) :: material
+      logical, intent(inout) :: plausible                !! False without a possible wave speed
       real(wp) :: value, ratio
       integer :: k
-      logical :: plausible
+      logical :: possible
 
       if (.not. material%bulk > 0.0_wp) return
-      call check_wave(deck, group, material, plausible)
-      if (.not. plausible) return
+      call check_wave(deck, group, material, possible)
+      plausible = plausible .and. possible
+      if (.not. possible) return
       associate (keys => schema%groups(schema%find("material"))%keys)
          do k = 1, size(keys)
             if (keys(k)%unit_text /= "Pa" .or. keys(k)%number_of_values > 1) cycle
@@ -118,8 +138,8 @@ contains
       real(wp), intent(in) :: usual                      !! Usual ratio of the two
 
       call deck%warn(group, key//" = "//brief(value)//" Pa is "//brief(value/bulk)// &
-         " times the bulk modulus of "//brief(bulk)//" Pa"//meant(value, value/bulk/usual, "Pa"), &
-         key)
+         " times the bulk modulus of "//brief(bulk)//" Pa"// &
+         meant(value, abs(value)/bulk/usual, "Pa"), key)
    end subroutine warn_ratio
 
    !> Warn of a bulk modulus from an equation of state that gives no possible wave speed. Moduli
@@ -171,6 +191,25 @@ contains
       end associate
    end subroutine check_speed
 
+   !> Warn of a gravity that no planet and no centrifuge has.
+   subroutine check_gravity(deck, effects)
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: effects               !! &effects
+      real(wp), parameter :: standard = 9.80665_wp       ! [m/s2]
+      real(wp) :: gravity(3)
+      logical :: acts
+
+      call effects%get("gravity", acts)
+      if (.not. (acts .and. effects%given("gravity_vector"))) return
+      call effects%get("gravity_vector", gravity)
+      associate (strength => norm2(gravity))
+         if (strength <= most_gravity) return
+         call deck%warn(effects, "gravity_vector = "//brief(strength)//" m/s2 is "// &
+            brief(strength/standard)//" times that of the earth"// &
+            meant(strength, strength/standard, "m/s2"), "gravity_vector")
+      end associate
+   end subroutine check_gravity
+
    !> The value that was probably meant: the power of a thousand that brings it closest to what is
    !! usual.
    pure function meant(value, excess, unit) result(text)
@@ -190,11 +229,12 @@ contains
 
    !> Warn of a run that makes next to no step or that does not end, and refuse one whose time could
    !! not advance.
-   subroutine check_steps(deck, simulation, bodies, limits)
+   subroutine check_steps(deck, simulation, bodies, limits, plausible)
       type(deck_t), intent(inout) :: deck
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
       type(limits_t), intent(in) :: limits
+      logical, intent(in) :: plausible                   !! Are the wave speeds possible?
       type(group_t) :: time
       character(len=:), allocatable :: cause, word
       real(wp) :: dt, steps
@@ -205,8 +245,9 @@ contains
       ! not of expected_steps, which has an upper bound
       steps = limits%time_end/dt
       if (steps < fewest) then
-         call deck%warn(time, "t_end = "//brief(limits%time_end)//" s is "//brief(steps)// &
-            " times the first time step, "//brief(dt)//" s"//cause// &
+         ! a wrong modulus is reported already
+         if (plausible) call deck%warn(time, "t_end = "//brief(limits%time_end)//" s is "// &
+            brief(steps)//" times the first time step, "//brief(dt)//" s"//cause// &
             ": the run makes next to no step; write a later t_end", "t_end")
          return
       end if
@@ -219,7 +260,7 @@ contains
          return
       end if
       steps = expected_steps(simulation, bodies, limits)
-      if (steps > most_steps) call deck%warn(time, "t_end = "//brief(limits%time_end)// &
+      if (plausible .and. steps > most_steps) call deck%warn(time, "t_end = "//brief(limits%time_end)// &
          " s needs about "//number(nint(steps, int64))//" steps, the first of "//brief(dt)// &
          " s"//cause//"; write an earlier t_end, use larger cells, or give max_steps or "// &
          "stop_when", "t_end")

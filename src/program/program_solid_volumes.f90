@@ -87,7 +87,8 @@ contains
       real(wp), intent(in) :: value
       character(len=:), allocatable :: text
 
-      text = brief(anint(10.0_wp*value)/10.0_wp)
+      ! the sum is not -0
+      text = brief(anint(10.0_wp*value)/10.0_wp + 0.0_wp)
    end function tenths
 
    !> A line for a body whose particles are not on a lattice.

@@ -7,7 +7,7 @@ A row: deck, old text, new text, line of the message (0: none), the message afte
 DECKS = {
     "plain": """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
-&time t_end = 1e-5 /
+&time t_end = 1e-4 /
 &material name = 'metal'  density = 2700
   young = 70e9  poisson = 0.3 /
 &region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2 /
@@ -44,7 +44,7 @@ DECKS = {
 """,
     "charge": """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
-&time t_end = 1e-5 /
+&time t_end = 1e-4 /
 &material name = 'high'  preset = 'tnt' /
 &material name = 'metal'  density = 2700
   young = 70e9  poisson = 0.3 /
@@ -214,10 +214,10 @@ NUMBERS = [
      "&grid: (hi-lo)/dx = 1.0e7 in x is more than a million cells"),
     ("plain", "dx = 0.1", "dx = 1e300", 2,
      "&grid: (hi-lo)/dx = 1.0e-300 is not an integer in x; nearest: hi = 1.0e300 or dx = 1"),
-    ("plain", "t_end = 1e-5", "t_end = 0", 3, "&time: t_end = 0  <- must be > 0 s"),
-    ("plain", "t_end = 1e-5", "t_end = -1", 3, "&time: t_end = -1  <- must be > 0 s"),
-    ("plain", "t_end = 1e-5", "t_end = nan", 3, "&time: t_end = nan  <- expects a number"),
-    ("plain", "t_end = 1e-5", "t_end = 5e-324", 3,
+    ("plain", "t_end = 1e-4", "t_end = 0", 3, "&time: t_end = 0  <- must be > 0 s"),
+    ("plain", "t_end = 1e-4", "t_end = -1", 3, "&time: t_end = -1  <- must be > 0 s"),
+    ("plain", "t_end = 1e-4", "t_end = nan", 3, "&time: t_end = nan  <- expects a number"),
+    ("plain", "t_end = 1e-4", "t_end = 5e-324", 3,
      "&time: t_end = 5e-324  <- is too large or too small for a number"),
     ("plain", "density = 2700", "density = 0", 4, "&material: density = 0  <- must be > 0 kg/m3"),
     ("plain", "density = 2700", "density = -2.7", 4,
@@ -257,9 +257,9 @@ NUMBERS = [
      "&time: stop_value = 0  <- must be > 0"),
     ("sand", "cfl = 0.3", "on_bad = 'retire'  retire_max = 2", 4,
      "&time: retire_max = 2  <- must be >= 0 and <= 1"),
-    ("plain", "t_end = 1e-5", "t_end = 1e-5 / &method split = T  split_at = 0", 3,
+    ("plain", "t_end = 1e-4", "t_end = 1e-4 / &method split = T  split_at = 0", 3,
      "&method: split_at = 0  <- must be > 0 and <= 2"),
-    ("plain", "t_end = 1e-5", "t_end = 1e-5 / &method split_max = 3", 3,
+    ("plain", "t_end = 1e-4", "t_end = 1e-4 / &method split_max = 3", 3,
      "&method: split_max given but split = .false."),
     ("sand", "cfl = 0.3", "on_bad = 'forget'", 4,
      "&time: on_bad = 'forget' is none of: stop retire"),
@@ -399,32 +399,32 @@ MARKS = [
     ("plain", "'plane_strain' /", "'plane_strain /", 1,
      "&run: the quote is not closed: 'plane_strain /"),
     ("plain", "&time t_end", "time t_end", 3,
-     "text outside a group: time t_end = 1e-5 /; a group begins with &name and ends with /"),
+     "text outside a group: time t_end = 1e-4 /; a group begins with &name and ends with /"),
     ("plain", "&time", "&time = 3 &time", 3,
      "&time opened in line 3 is not closed before this group"),
-    ("plain", "t_end = 1e-5", "= 1e-5", 3, "&time: an equals sign without a key before it"),
-    ("plain", "t_end = 1e-5", "t_end 1e-5", 3, "&time: expects key = value, not t_end"),
-    ("plain", "t_end = 1e-5", "t_end == 1e-5", 3, "&time: an equals sign without a key before it"),
-    ("plain", "t_end = 1e-5", "t_end : 1e-5", 3, "&time: expects key = value, not t_end"),
-    ("plain", "t_end = 1e-5", "t_end = ", 3, "&time: t_end =   <- expects a number"),
-    ("plain", "t_end = 1e-5 /", "t_end = 1e-5 / 3 /", 3,
+    ("plain", "t_end = 1e-4", "= 1e-4", 3, "&time: an equals sign without a key before it"),
+    ("plain", "t_end = 1e-4", "t_end 1e-4", 3, "&time: expects key = value, not t_end"),
+    ("plain", "t_end = 1e-4", "t_end == 1e-4", 3, "&time: an equals sign without a key before it"),
+    ("plain", "t_end = 1e-4", "t_end : 1e-4", 3, "&time: expects key = value, not t_end"),
+    ("plain", "t_end = 1e-4", "t_end = ", 3, "&time: t_end =   <- expects a number"),
+    ("plain", "t_end = 1e-4 /", "t_end = 1e-4 / 3 /", 3,
      "text after the / that ends the group: 3 /; texts need quotes, expressions braces"),
-    ("plain", "t_end = 1e-5 /", "t_end = 1e-5 ! /", 4,
+    ("plain", "t_end = 1e-4 /", "t_end = 1e-4 ! /", 4,
      "&time opened in line 3 is not closed before this group"),
-    ("plain", "t_end = 1e-5", "time%t_end = 1e-5", 3,
+    ("plain", "t_end = 1e-4", "time%t_end = 1e-4", 3,
      "&time: unknown key 'time%t_end'; did you mean 't_end' (end of the simulated time)?"),
-    ("plain", "t_end = 1e-5", "t-end = 1e-5", 3,
+    ("plain", "t_end = 1e-4", "t-end = 1e-4", 3,
      "&time: unknown key 't-end'; did you mean 't_end'?"),
     ("plain", "&time", "$time", 3,
-     "text outside a group: $time t_end = 1e-5 /; a group begins with &name and ends with /"),
-    ("plain", "t_end = 1e-5", "t_end = 1e-5; cfl = 0.3", 3,
-     "&time: t_end = 1e-5;  <- expects a number"),
-    ("plain", "t_end = 1e-5", "t_end = 1e-5 # s", 3,
-     "&time: t_end = 1e-5 # s  <- expects a number"),
-    ("plain", "t_end = 1e-5", "t_end = 1\u20115", 3,
+     "text outside a group: $time t_end = 1e-4 /; a group begins with &name and ends with /"),
+    ("plain", "t_end = 1e-4", "t_end = 1e-4; cfl = 0.3", 3,
+     "&time: t_end = 1e-4;  <- expects a number"),
+    ("plain", "t_end = 1e-4", "t_end = 1e-4 # s", 3,
+     "&time: t_end = 1e-4 # s  <- expects a number"),
+    ("plain", "t_end = 1e-4", "t_end = 1\u20115", 3,
      "&time: t_end = 1\u20115  <- expects a number"),
-    ("plain", "t_end = 1e-5", "t_end =\xa01e-5", 3, "&time: t_end = \xa01e-5  <- expects a number"),
-    ("plain", "t_end = 1e-5", "t\u0395nd = 1e-5", 3,
+    ("plain", "t_end = 1e-4", "t_end =\xa01e-4", 3, "&time: t_end = \xa01e-4  <- expects a number"),
+    ("plain", "t_end = 1e-4", "t\u0395nd = 1e-4", 3,
      "&time: unknown key 't\u0395nd'; did you mean 't_end'?"),
     ("plain", "name = 'metal'", "name = \u2018metal\u2019", 4,
      "&material: name = \u2018metal\u2019  <- expects a text in quotes"),

@@ -3,9 +3,9 @@
 # timeout: 120
 """What `--check` says about a run before it begins: particles and masses, units, memory.
 
-Would catch a number of particles or a mass that the run does not have (particles at cut surfaces counted as whole, parts
-of a shape outside of the grid, later bodies, factors of random packings, rings around an axis), a value in other units
-that is accepted in silence, a false alarm for a preset or an example, a run that is started without the memory that it
+Would catch a number of particles or a mass that the run does not have (particles at cut surfaces counted as whole,
+parts of a shape outside of the grid, later bodies, factors of random packings, rings around an axis), a value in other
+units that is accepted in silence, a false alarm for a preset or an example, a run that is started without the memory that it
 needs, and an allocation that fails without a message.
 """
 
@@ -106,16 +106,21 @@ MISTAKES = {
     "velocity_km_s": ({"body": "velocity = 900000 0 0"}, "D509", "did you mean 900 m/s (factor 1e-3)?"),
     "speed": ({"body": "speed = 1e6  direction = 1 0 0"}, "D509", "did you mean 1000 m/s (factor 1e-3)?"),
     "wall": ({"more": "&boundary face = 'xlo'  type = 'velocity'  velocity = 1e5 0 0 /"}, "D509", "(factor 1e-3)?"),
-    "shear_meant": ({"material": "preset = 'al_6061_t6'  shear = 27.6"}, "D508", "did you mean 2.76e10 Pa (factor 1e9)?"),
+    "shear_meant": ({"material": "preset = 'al_6061_t6'  shear = 27.6"}, "D508",
+                    "did you mean 2.76e10 Pa (factor 1e9)?"),
     "yield_mpa": ({"material": f"{ELASTIC}  {FLOWS}  yield = 265"}, "D508", "did you mean 2.65e8 Pa (factor 1e6)?"),
     "yield_gpa": ({"material": f"{ELASTIC}  {FLOWS}  yield = 0.265"}, "D508", "did you mean 2.65e8 Pa (factor 1e9)?"),
     "jc_a_mpa": ({"material": "preset = 'al_6061_t6'  jc_a = 265"}, "D508", "did you mean 2.65e8 Pa (factor 1e6)?"),
     "spall_gpa": ({"material": f"{ELASTIC}  spall = 1.2", "more": "&effects damage = .true. /"}, "D508",
                   "did you mean 1.2e9 Pa (factor 1e9)?"),
     "too_strong": ({"material": f"{ELASTIC}  {FLOWS}  yield = 265e9"}, "D508", "did you mean 2.65e8 Pa (factor 1e-3)?"),
-    "jh2_gpa": ({"material": "preset = 'glass_soda_lime'  jh2_k1 = 45.4  jh2_k2 = -138  jh2_k3 = 290"}, "D508", "gives a wave speed of"),
+    "jh2_gpa": ({"material": "preset = 'glass_soda_lime'  jh2_k1 = 45.4  jh2_k2 = -138  jh2_k3 = 290"}, "D503",
+                "gives a wave speed of"),
     "pa_in_mm_us_mg": ({"units": "&units system = 'mm-us-mg' /", "material": "density = 2.7  young = 70  poisson = 0.3"
                         f"  {FLOWS}  yield = 265"}, "D508", "did you mean 2.65e8 Pa (factor 1e-3)?"),
+    "load": ({"more": "&load pressure = 1e20 /"}, "D508", "times the bulk modulus"),
+    "gravity": ({"more": "&effects gravity = .true.  gravity_vector = 0 0 -9810 /"}, "D512",
+                "did you mean 9.81 m/s2 (factor 1e-3)?"),
     "no_step": ({"t_end": "1e-9"}, "D510", "the run makes next to no step"),
     "many_steps": ({"t_end": "1e5"}, "D511", "needs about 1476911577"),
     "no_end": ({"t_end": "1e300"}, "D511", "so that the time could not advance"),
@@ -144,8 +149,8 @@ def test_a_warning_is_in_the_log(options):
 @pytest.mark.parametrize("system", ["si", "cgs", "mm-us-mg", "mm-ms-g"])
 def test_no_false_alarm_for_presets(options, system):
     """All presets, in each system of units."""
-    listed = subprocess.run([options.scree, "--list", "materials"], stdout=subprocess.PIPE, text=True, check=True).stdout
-    names = re.findall(r"^ +([a-z]\w+)  ", listed.split("preset:")[1], re.M)
+    listed = subprocess.run([options.scree, "--list", "materials"], stdout=subprocess.PIPE, text=True, check=True)
+    names = re.findall(r"^ +([a-z]\w+)  ", listed.stdout.split("preset:")[1], re.M)
     assert len(names) > 10
     deck = PLAIN.format(units=f"&units system = '{system}' /", t_end="1  max_steps = 1000", body="", more="",
                         material=f"preset = '{names[0]}'")
@@ -156,7 +161,7 @@ def test_no_false_alarm_for_presets(options, system):
 
 def test_no_false_alarm_for_examples(options, sheet):
     """The decks of input/, none of which has a value in wrong units."""
-    decks = [path for path in sorted((case.ROOT / "input").rglob("*.nml")) if "&grid" in path.read_text(encoding="utf-8")]
+    decks = [path for path in sorted((case.ROOT / "input").rglob("*.nml")) if b"&grid" in path.read_bytes()]
     sheet.require(len(decks) > 10, "there are decks")
     for deck in decks:
         said = subprocess.run([options.scree, "--check", "--no-estimate", deck], text=True,
@@ -211,7 +216,7 @@ class TestMemory:
         path.write_text(deck, encoding="utf-8")
         answer = limited(options, ["--grains", path], 8000)
         assert answer.returncode == 2, answer.stdout
-        assert re.search(r"many\.nml:1: error: &grains: the run needs about .*use fewer grains.*\[R134\]", answer.stdout)
+        assert re.search(r"many\.nml:1: error: &grains: the run needs about .*fewer grains.*\[R134\]", answer.stdout)
 
 
 def test_no_state_of_a_point(options):
