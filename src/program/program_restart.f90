@@ -35,7 +35,7 @@ contains
             simulation%clock%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
          if (changes%state() .and. .not. ended) ended = is_finished(simulation, limits)
          ! the last step of a run ends at t_end
-         if (.not. ended .and. .not. (simulation%clock%time <= limits%time_end*(1.0_wp + 1.0e-9_wp))) &
+         if (.not. (ended .or. simulation%clock%time <= limits%time_end*(1.0_wp + 1.0e-9_wp))) &
             call fail(error, exit_file, note//": its time, "//brief(simulation%clock%time)// &
             " s, is after t_end = "//brief(limits%time_end)//" s; raise t_end, or start again "// &
             "with --overwrite")

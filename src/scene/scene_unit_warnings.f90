@@ -20,8 +20,8 @@ module scene_unit_warnings
    end type usual_t
 
    !> Limits are the density of foam and osmium; sound speed of rubber foam and diamond; heat
-   !! capacity of lead and hydrogen; the shear modulus of metals increases by a few per cent per gigapascal (D. J. Steinberg, S. G. Cochran, M. W.
-   !! Guinan, J. Appl. Phys. 51 (1980) 1498).
+   !! capacity of lead and hydrogen; the shear modulus of metals increases by a few per cent per
+   !! gigapascal (D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980) 1498).
    type(usual_t), parameter :: usual(4) = [ &
       usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene", &
       "is heavier than osmium"), &
