@@ -261,7 +261,8 @@ contains
       end if
       steps = expected_steps(simulation, bodies, limits)
       if (plausible .and. steps > most_steps) call deck%warn(time, "t_end = "// &
-         brief(limits%time_end)//" s needs about "//number(nint(steps, int64))//" steps, the first of "//brief(dt)// &
+         brief(limits%time_end)//" s needs about "//number(nint(steps, int64))// &
+         " steps, the first of "//brief(dt)// &
          " s"//cause//"; write an earlier t_end, use larger cells, or give max_steps or "// &
          "stop_when", "t_end")
    end subroutine check_steps

@@ -5,8 +5,8 @@
 
 Would catch a number of particles or a mass that the run does not have (particles at cut surfaces counted as whole,
 parts of a shape outside of the grid, later bodies, factors of random packings, rings around an axis), a value in other
-units that is accepted in silence, a false alarm for a preset or an example, a run that is started without the memory that
-it needs, and an allocation that fails without a message.
+units that is accepted in silence, a false alarm for a preset or an example, a run that is started without the memory
+that it needs, and an allocation that fails without a message.
 """
 
 import os
