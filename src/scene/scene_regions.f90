@@ -373,8 +373,8 @@ contains
             if (sum(shapes%parts, mask=shapes%ready) + shapes(index)%parts >= most_parts) then
                if (deck%sound("region")) call deck%add_error(group, "the regions up to this "// &
                   "one are made of more than "//number(most_parts)//" simple shapes, because "// &
-                  "each region contains copies of those in of; combine pairs, then pairs of these, "// &
-                  "instead of one after another, and name no region twice", key="of")
+                  "each region contains copies of those in of; combine pairs, then pairs of "// &
+                  "these, instead of one after another, and name no region twice", key="of")
                return
             end if
             operands(n) = shapes(other)%shape
