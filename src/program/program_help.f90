@@ -45,9 +45,9 @@ contains
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
          "      --self-test        run small scenes and compare their digests"//newline// &
          "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
-      text = text//"exit codes: 0 finished, 2 error in deck or command line, 3 file error,"// &
-         newline//"  existing results or no memory, 4 physics error, 5 internal error, 75 "// &
-         "stopped:"//newline//"  run again"//newline//newline//"examples:"//newline// &
+      text = text//"exit codes: 0 finished, 2 error in deck or command line, 3 file error or"// &
+         newline//"  existing results, 4 physics error, 5 internal error, 75 "// &
+         "stopped: run again"//newline//newline//"examples:"//newline// &
          "  mpirun -n 4 scree scene.nml --restart --set 'material[sheet].poisson=0.3'"
    end function help_text
 end module program_help
