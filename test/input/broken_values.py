@@ -282,7 +282,7 @@ NUMBERS = [
     ("plain", "&time", "&checkpoint keep = -1 /\n&time", 3,
      "&checkpoint: keep = -1  <- must be >= 0"),
     ("plain", "&time", "&checkpoint dt = 1e-30 /\n&time", 3,
-     "&checkpoint: dt gives 1.0e25 checkpoints until t_end; use a longer dt, or"),
+     "&checkpoint: dt gives 1.0e26 checkpoints until t_end; use a longer dt, or"),
     ("plain", "&time", "&parallel imbalance = 0.5 /\n&time", 3,
      "&parallel: imbalance = 0.5  <- must be >= 1"),
     ("plain", "&time", "&parallel io_hints = 'cb_nodes' /\n&time", 3,
