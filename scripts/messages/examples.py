@@ -8,7 +8,7 @@ message, the right one neither an error nor a warning. FILES: code: files in the
 
 BAR = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
-&time t_end = 1e-5 /
+&time t_end = 1e-4 /
 """
 BODY = """&region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2 /
 &body name = 'one'  region = 'ball'  material = 'metal' /
@@ -29,16 +29,16 @@ NINE = (BAR.replace("dx = 0.1", "dx = 0.05") + "&effects contact = .true. /\n" +
     f"&body name = '{k}'  region = '{k}'  material = 'metal'  field = {k} /\n" for k in range(1, 9)) +
     "&region name = 'last'  shape = 'box'  lo = 0.9 0 0.9  hi = 1 1 1 /\n"
     "&body name = 'last'  region = 'last'  material = 'metal'  field = 9 /\n")
-CRACK = BAR.replace("1e-5", "1e-6") + """&effects damage = .true. /
+CRACK = BAR + """&effects damage = .true. /
 &material name = 'glass'  density = 2500  eos_model = 'linear'  young = 70e9  poisson = 0.2
   damage_model = 'principal_stress'  failure_stress = 2e6  fracture_energy = 8 /
 """ + BODY.replace("metal", "glass")
-GAS = BAR.replace("1e-5", "1e-6") + """&effects damage = .true.  thermal = .true. /
+GAS = BAR + """&effects damage = .true.  thermal = .true. /
 &material name = 'gas'  density = 100  eos_model = 'ideal_gas'  ig_gamma = 1.4  specific_heat = 700
   shear = 1e9  strength_model = 'elastic'
   damage_model = 'principal_stress'  failure_stress = 2e6  fracture_energy = 8 /
 """ + BODY.replace("'metal' /", "'gas'  specific_energy = 1e6 /")
-COPPER = BAR.replace("1e-5", "1e-6") + """&effects thermal = .true. /
+COPPER = BAR + """&effects thermal = .true. /
 &material name = 'cu'  density = 8930  eos_model = 'mie_gruneisen'  mg_c0 = 3940  mg_s = 1.489  mg_gamma = 2.02
   shear = 47.7e9  strength_model = 'steinberg_guinan'  scg_y0 = 0.12e9  scg_ymax = 0.64e9  scg_beta = 36
   scg_n = 0.45  scg_gp = 2.83e-11  scg_gt = 3.77e-4  scg_tm = 1790  scg_a = 1.5  scg_gamma = 2.02
@@ -62,7 +62,7 @@ SOIL = """&run dimension = 'plane_strain' /
 """
 GRAINS = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 1 1 1  dx = 0.125 /
-&time t_end = 1e-5 /
+&time t_end = 1e-4 /
 &material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
 &region name = 'grains'  shape = 'points'  file = 'grains.csv' /
 &body name = 'one'  region = 'grains'  material = 'metal'  packing = 'file' /
@@ -111,8 +111,8 @@ DECKS = {
     "D113": ("plain", "centre", "center", None),
     "D219": ("plain", "&run", "&run deck_version = 9 ", "&run deck_version = 1 "),
     "D114": ("plain", "density = 2700", "density = 2700  density = 7800", None),
-    "D115": ("plain", "&time t_end = 1e-5 /", "&time t_end = 1e-5 /\n&time cfl = 0.3 /",
-                      "&time t_end = 1e-5  cfl = 0.3 /"),
+    "D115": ("plain", "&time t_end = 1e-4 /", "&time t_end = 1e-4 /\n&time cfl = 0.3 /",
+                      "&time t_end = 1e-4  cfl = 0.3 /"),
     "D116": (
         "plain", "&body name = 'one'  region = 'ball'  material = 'metal' /",
         "&region name = 'ball'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /\n"
@@ -129,9 +129,9 @@ DECKS = {
     "D213": ("plain", "'metal' /", "'metal'  velocity(0) = 1 /",
                                   "'metal'  velocity(1) = 1 /"),
     "D214": ("plain", "density = 2700", "density = -2700", None),
-    "D217": ("plain", "t_end = 1e-5", "t_end = 1e-5  max_steps = 99999999999",
-                           "t_end = 1e-5  max_steps = 2000000000"),
-    "D218": ("plain", "t_end = 1e-5", "t_end = 1e-320", None),
+    "D217": ("plain", "t_end = 1e-4", "t_end = 1e-4  max_steps = 99999999999",
+                           "t_end = 1e-4  max_steps = 2000000000"),
+    "D218": ("plain", "t_end = 1e-4", "t_end = 1e-320", None),
     "D220": ("plain", "shape = 'sphere'", "shape = 'ball'", None),
     "D222": ("plain", "region = 'ball'", "region = 'bal'", None),
     "D301": ("plain", "radius = 0.2 /", "/", None),
@@ -149,7 +149,7 @@ DECKS = {
         BAR + METAL.replace("0.3 /", "0.3\n  strength_model = 'drucker_prager'  friction_angle = 30  "
                             "volume_from = 'grid' /") + BODY,
         "friction_angle = 30", "friction_angle = 30  cohesion = 1e3", None),
-    "D318": ("plain", "&time t_end = 1e-5 /", "&method heat_flux = 2 /\n&time t_end = 1e-5 /", None),
+    "D318": ("plain", "&time t_end = 1e-4 /", "&method heat_flux = 2 /\n&time t_end = 1e-4 /", None),
     "D319": ("sand", "every = 20", "every = 20  dt = 0.1", "dt = 0.1"),
     "D444": (
         "plain", "&body", "&inflow body = 'one'  velocity = 1 0 1 /\n&body", None),
@@ -250,7 +250,14 @@ DECKS = {
     "D505": (COPPER, "scg_gp = 2.83e-11", "scg_gp = 2.83", None),
     "D507": ("shock", "velocity = 0 0 6.7", "velocity = 0 0 6.7  temperature = 20",
                                      "velocity = 0 0 6.7  temperature = 293"),
-    "D105": ("plain", "t_end = 1e-5", "t_end 1e-5", None),
+    "D508": (BAR + METAL.replace(" /", "  strength_model = 'von_mises'  yield = 265e6 /") + BODY,
+             "yield = 265e6", "yield = 265", None),
+    "D509": ("plain", "'metal' /", "'metal'  velocity = 900000 0 0 /", "'metal'  velocity = 900 0 0 /"),
+    "D510": ("plain", "t_end = 1e-4", "t_end = 1e-9", None),
+    "D511": ("plain", "t_end = 1e-4", "t_end = 1e300", None),
+    "D512": ("plain", "&time", "&effects gravity = .true.  gravity_vector = 0 0 -9810 /\n&time",
+             "&effects gravity = .true.  gravity_vector = 0 0 -9.81 /\n&time"),
+    "D105": ("plain", "t_end = 1e-4", "t_end 1e-4", None),
     "D225": ("plain", "&run", "&run case = '" + 12 * "long_name_" + "' ", "&run case = 'name' "),
     "D230": ("plain", "&time", "&parallel io_hints = 'cb_nodes' /\n&time",
              "&parallel io_hints = 'cb_nodes=4' /\n&time"),

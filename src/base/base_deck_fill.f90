@@ -138,7 +138,8 @@ contains
          end if
          call convert(key, piece%tokens, subscript, system, value, problem)
          if (problem == "") return
-         hint = lost_sign(rule, piece%tokens)//lost_braces(key, piece%tokens)
+         hint = lost_sign(rule, piece%tokens)//lost_braces(key, piece%tokens)// &
+            decimal_comma(key, piece%tokens)
          call problems%error(file, piece%line, "&"//rule%name//": "//key%name//piece%subscript// &
             " = "//written(piece%tokens)//problem//hint)
       end associate
@@ -196,6 +197,35 @@ contains
          end associate
       end do
    end function lost_braces
+
+   !> Hint for a message about numbers that would be as many as the key has if the commas directly
+   !! between two digits were decimal points.
+   function decimal_comma(key, tokens) result(hint)
+      type(key_t), intent(in) :: key
+      type(token_t), intent(in) :: tokens(:)
+      character(len=:), allocatable :: hint
+      character(len=*), parameter :: digits = "0123456789"
+      integer :: i, values
+
+      hint = ""
+      if (key%kind /= kind_real) return
+      values = 0
+      i = 1
+      do while (i <= size(tokens))
+         if (scan(tokens(i)%raw, digits) > 0) values = values + 1
+         if (i + 2 <= size(tokens)) then
+            if (tokens(i + 1)%comma .and. scan(tokens(i)%raw, digits, back=.true.) == &
+               len(tokens(i)%raw) .and. scan(tokens(i + 2)%raw, digits) == 1 .and. &
+               tokens(i + 2)%column == tokens(i)%column + len(tokens(i)%raw) + 1) then
+               if (hint == "") hint = "; the decimal mark is a point: "//tokens(i)%raw//"."// &
+                  tokens(i + 2)%raw
+               i = i + 2
+            end if
+         end if
+         i = i + 1
+      end do
+      if (values /= key%number_of_values) hint = ""
+   end function decimal_comma
 
    !> The values as written, truncated if they are long.
    function written(tokens) result(text)

@@ -103,7 +103,7 @@ contains
          if (size(items) > number_of_values) then
             problem = too_many(key, subscript, tokens, items)
          else if (key%exact .and. subscript == 0 .and. size(items) < number_of_values) then
-            problem = expectation(key)//", not "//number(size(items))
+            problem = expectation(key)//", not "//values_text(size(items))
          end if
       end if
       if (problem == "") return
@@ -120,7 +120,7 @@ contains
       character(len=:), allocatable :: problem
       integer :: i
 
-      problem = expectation(key)//", not "//number(size(items))
+      problem = expectation(key)//", not "//values_text(size(items))
       if (subscript > 0) problem = expectation(key)//"; there is no value "// &
          number(key%number_of_values + 1)
       do i = 1, size(tokens)
@@ -133,6 +133,15 @@ contains
          problem = expectation(key)
       end do
    end function too_many
+
+   !> A number of values.
+   function values_text(values) result(text)
+      integer, intent(in) :: values
+      character(len=:), allocatable :: text
+
+      text = number(values)//" values"
+      if (values == 1) text = "1 value"
+   end function values_text
 
    !> Allocate the arrays of a value.
    subroutine allocate_values(key, value)

@@ -4,6 +4,7 @@
 ! allow(C071): texts of C have no length
 module base_process
    use base_kinds, only: int64
+   use base_memory, only: kernel_number, unlimited
    use base_text, only: text_t
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_long, c_null_char, &
       c_null_ptr, c_ptr, c_size_t
@@ -118,22 +119,9 @@ contains
    !> Value of a row of the status of this process, which the system gives in kB [byte].
    integer(int64) function status_of(row) result(bytes)
       character(len=*), intent(in) :: row                !! First word of the row
-      integer(int64), parameter :: kilobyte = 1024
-      character(len=80) :: line
-      integer :: unit, status
 
-      bytes = 0
-      open (newunit=unit, file="/proc/self/status", action="read", status="old", iostat=status)
-      if (status /= 0) return
-      do
-         read (unit, "(a)", iostat=status) line
-         if (status /= 0) exit
-         if (index(line, row) /= 1) cycle
-         read (line(len(row) + 1:), *, iostat=status) bytes
-         bytes = kilobyte*bytes
-         exit
-      end do
-      close (unit)
+      bytes = kernel_number("/proc/self/status", row)
+      bytes = merge(0_int64, 1024_int64*bytes, bytes == unlimited)
    end function status_of
 
    !> Number of ranks on this node from the environment of the launcher, before MPI starts; else 1.

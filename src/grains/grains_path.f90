@@ -118,10 +118,20 @@ contains
       type(path_t), intent(in) :: path
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(group_t) :: group
-      real(wp) :: most, steps
+      real(wp), parameter :: most_strain = 0.1_wp    ! grains would pass through each other
+      real(wp) :: most, steps, strain
       integer :: n
 
+      if (.not. (dt > 0.0_wp .and. dt < huge(dt))) then
+         call deck%add_error(deck%group("grains", 1), "diameter, density and stiffness give a "// &
+            "time step that is not a positive number; correct their units", "diameter")
+         return
+      end if
       do n = 1, size(path%stages)
+         strain = dt*maxval(abs(path%stages(n)%drive%gradient))
+         if (.not. strain <= most_strain) call deck%add_error("stage", n, "the cell would be "// &
+            "strained by "//brief(strain)//" in each time step of "//deck%shown(dt, "s")// &
+            "; at most "//brief(most_strain)//": reduce rate or inertial_number", "rate")
          associate (stage => path%stages(n))
             ! rows are spaced by products of steps and rows
             most = real(huge(1_int64), wp)/(2.0_wp*real(max(stage%rows, stage%snapshots, 1), wp))

@@ -6,7 +6,7 @@
 module material_point
    use base_kinds, only: wp
    use constitutive_state, only: deformation_t, has_energy, material_state_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use material_update, only: chain_t
    implicit none
    private
@@ -191,13 +191,14 @@ contains
       type(point_t), intent(inout) :: point
       class(chain_t), intent(in) :: chain
       real(wp), allocatable, intent(out) :: table(:, :) !! (column, row)
+      real(wp), parameter :: densest = 0.02_wp       ! least ratio of the densities
       real(wp) :: low, high, ratio, speed, pressure
       integer :: step, iteration
 
       allocate (table(5, point%steps))
       do step = 1, point%steps
          speed = point%speed*real(step, wp)/real(point%steps, wp)
-         low = 0.02_wp
+         low = densest
          high = 1.0_wp
          do iteration = 1, most_iterations
             ratio = 0.5_wp*(low + high)
@@ -216,6 +217,8 @@ contains
                high = ratio
             end if
          end do
+         ! no state has the pressure of this speed
+         if (ratio < 1.001_wp*densest) pressure = ieee_value(pressure, ieee_quiet_nan)
          table(:, step) = [speed, speed/(1.0_wp - ratio), pressure, chain%density/ratio, &
             0.5_wp*speed**2]
       end do

@@ -11,7 +11,9 @@ module output_schedule
    implicit none
    private
 
-   public :: check_schedule, declare_schedule, read_schedule, schedule_t
+   public :: check_schedule, declare_schedule, intervals_until, read_schedule, schedule_t
+
+   real(wp), parameter :: grain = 1.0e-12_wp !! Rounding must not delay an output by a step
 
    !> A schedule.
    type :: schedule_t
@@ -106,13 +108,9 @@ contains
    pure subroutine schedule_catch_up(self, time)
       class(schedule_t), intent(inout) :: self
       real(wp), intent(in) :: time                   !! Time reached [s]
-      ! rounding must not delay an output by a step
-      real(wp), parameter :: grain = 1.0e-12_wp
 
       if (self%interval > 0.0_wp) then
-         do while (time*(1.0_wp + grain) >= real(self%done, wp)*self%interval)
-            self%done = self%done + 1
-         end do
+         self%done = intervals_until(time, self%interval, self%done)
       else if (allocated(self%times)) then
          do while (self%done < size(self%times))
             if (time*(1.0_wp + grain) < self%times(self%done + 1)) exit
@@ -120,6 +118,21 @@ contains
          end do
       end if
    end subroutine schedule_catch_up
+
+   !> The least number from `done` on whose multiple of the interval is after a time. It is found
+   !! without a loop over all multiples: a time may be any number times the interval.
+   pure integer(int64) function intervals_until(time, interval, done) result(number)
+      real(wp), intent(in) :: time                   !! [s]
+      real(wp), intent(in) :: interval               !! Positive [s]
+      integer(int64), intent(in) :: done             !! Number before
+      real(wp), parameter :: countable = 1.0e15_wp   ! beyond it multiples are rounded
+
+      number = max(done, int(min(time*(1.0_wp + grain)/interval, countable), int64) - 1)
+      do while (time*(1.0_wp + grain) >= real(number, wp)*interval)
+         if (real(number, wp) >= countable) return
+         number = number + 1
+      end do
+   end function intervals_until
 
    !> Expected number of outputs in a run, as far as known before it.
    pure real(wp) function schedule_expected(self, time_end, steps) result(times)

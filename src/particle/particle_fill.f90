@@ -4,156 +4,97 @@
 !! The identity of a particle is the number of its site in the whole domain, offset by the body; so
 !! neither identity nor position depends on ranks. Where bodies overlap, the later one has priority.
 module particle_fill
-   use base_communicator, only: communicator_t
    use base_constants, only: pi
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform
-   use base_sort, only: sort_order
    use mesh_grid, only: grid_t
-   use mesh_hilbert, only: hilbert_key
    use particle_body, only: belongs, body_t, cell_of, find_boxes, find_near, site_position, &
       tile_sites
-   use particle_candidates, only: candidates_t
    use particle_store, only: store_t
    implicit none
    private
 
-   public :: body_t, fill_bodies, site_volume, survey_bodies
+   public :: body_t, count_sites, fill_bodies, site_volume
 
 contains
 
-   !> Count the particles of each body, and those of each tile assigned to this rank. Each tile is
-   !! on the list of exactly one rank; no rank has a list of all. Collective.
-   subroutine survey_bodies(communicator, grid, bodies, key, particles, body_count)
-      type(communicator_t), intent(in) :: communicator
-      type(grid_t), intent(in) :: grid
-      type(body_t), intent(in) :: bodies(:)
-      integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
-      integer(int64), allocatable, intent(out) :: particles(:) !! (tile) Number of particles
-      integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each, on all ranks
-      type(candidates_t) :: candidates
-      integer(int64), allocatable :: own(:), pairs(:, :)
-      integer, allocatable :: order(:)
-      real(wp), allocatable :: low(:, :), high(:, :)
-      integer(int64) :: round, found
-      integer :: coordinate(3), filled
-      logical :: dealt
-
-      call candidates%find(grid, bodies)
-      call find_boxes(grid, bodies, low, high)
-      allocate (key(0), particles(0))
-      body_count = 0
-      !$omp parallel default(none) private(round, coordinate, dealt, own, pairs, filled, found) &
-      !$omp shared(communicator, grid, bodies, low, high, candidates, key, particles, body_count)
-      allocate (own(size(bodies)), pairs(64, 2))
-      own = 0
-      filled = 0
-      !$omp do schedule(dynamic, 16)
-      do round = 1, candidates%rounds(communicator)
-         call candidates%deal(communicator, round, coordinate, dealt)
-         if (.not. dealt) cycle
-         call count_tile(grid, bodies, low, high, coordinate, own, found)
-         if (found > 0) call append_pair(hilbert_key(coordinate, grid%dimensions), found, pairs, &
-            filled)
-      end do
-      !$omp end do nowait
-      !$omp critical (survey_counts)
-      body_count = body_count + own
-      key = [key, pairs(:filled, 1)]
-      particles = [particles, pairs(:filled, 2)]
-      !$omp end critical (survey_counts)
-      !$omp end parallel
-      call communicator%total(body_count)
-      order = sort_order(key)
-      key = key(order)
-      particles = particles(order)
-   end subroutine survey_bodies
-
-   !> Append a tile and its particles to a list, which grows as needed.
-   pure subroutine append_pair(key, particles, pairs, filled)
-      integer(int64), intent(in) :: key               !! Position of the tile on the curve
-      integer(int64), intent(in) :: particles         !! Particles in it
-      integer(int64), allocatable, intent(inout) :: pairs(:, :) !! (entry, 2) The list
-      integer, intent(inout) :: filled                !! Entries in use
-      integer(int64), allocatable :: larger(:, :)
-
-      if (filled == size(pairs, 1)) then
-         allocate (larger(2*filled, 2))
-         larger(:filled, :) = pairs
-         call move_alloc(larger, pairs)
-      end if
-      filled = filled + 1
-      pairs(filled, :) = [key, particles]
-   end subroutine append_pair
-
-   !> Count the particles of all bodies in a tile.
-   pure subroutine count_tile(grid, bodies, low, high, coordinate, body_count, particles)
-      type(grid_t), intent(in) :: grid
-      type(body_t), intent(in) :: bodies(:)
-      real(wp), contiguous, intent(in) :: low(:, :)   !! (direction, body) Boxes of the bodies [m]
-      real(wp), contiguous, intent(in) :: high(:, :)  !! (direction, body) [m]
-      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
-      integer(int64), intent(inout) :: body_count(:)  !! (body) Grows by its particles
-      integer(int64), intent(out) :: particles        !! Number of particles of all bodies
-      integer(int64) :: found
-      integer :: near(size(bodies)), number, n
-
-      call find_near(grid, low, high, coordinate, near, number)
-      particles = 0
-      do n = 1, number
-         found = count_sites(grid, bodies, near(n), near(n + 1:number), coordinate)
-         body_count(near(n)) = body_count(near(n)) + found
-         particles = particles + found
-      end do
-   end subroutine count_tile
-
-   !> Count the particles that a body has in a tile.
-   pure integer(int64) function count_sites(grid, bodies, body, later, coordinate) result(number)
+   !> Count the particles that a body has in a tile, and sum their volumes.
+   pure subroutine count_sites(grid, bodies, body, later, coordinate, number, volume)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
       integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer(int64), intent(out) :: number           !! Particles
+      real(wp), intent(out) :: volume                 !! [m3]
       integer :: sites(3), x, y, z
-      real(wp) :: low(3), high(3), edge(3), position(3), share
+      real(wp) :: low(3), high(3), edge(3), middle(3), position(3), share
 
       number = 0
+      volume = 0.0_wp
       if (allocated(bodies(body)%given)) then
-         number = count_given(grid, bodies, body, later, coordinate)
+         call count_given(grid, bodies, body, later, coordinate, number, volume)
          return
       end if
       call bodies(body)%shape%bounds(low, high)
       edge = grid%tile_corner(coordinate)
       if (any(grid%active .and. (edge > high .or. edge + grid%width*grid%spacing < low))) return
       sites = tile_sites(grid, bodies(body), coordinate)
+      if (is_full(grid, bodies(body), coordinate, sites) .and. size(later) == 0) then
+         number = product(int(sites, int64))
+         volume = real(number, wp)*site_volume(grid, bodies(body), edge)
+         return
+      end if
       do z = 0, sites(3) - 1
          do y = 0, sites(2) - 1
             do x = 0, sites(1) - 1
-               call measure_site(grid, bodies, body, later, site_position(grid, bodies(body), &
-                  coordinate, [x, y, z]), share, position)
-               if (share > 0.0_wp) number = number + 1
+               middle = site_position(grid, bodies(body), coordinate, [x, y, z])
+               call measure_site(grid, bodies, body, later, middle, share, position)
+               if (.not. share > 0.0_wp) cycle
+               number = number + 1
+               volume = volume + share*site_volume(grid, bodies(body), middle)
             end do
          end do
       end do
-   end function count_sites
+   end subroutine count_sites
 
-   !> Count the given particles that a body has in a tile.
-   pure integer(int64) function count_given(grid, bodies, body, later, coordinate) result(particles)
+   !> True if a body surely contains all its sites in a tile. Around an axis their volumes differ.
+   pure logical function is_full(grid, body, coordinate, sites) result(full)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
+      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer, intent(in) :: sites(3)                 !! Sites of the tile
+
+      full = .false.
+      if (grid%axisymmetric) return
+      associate (margin => merge(0.5_wp, 0.0_wp, body%cut)*site_edge(grid, body))
+         full = body%shape%spans(site_position(grid, body, coordinate, [0, 0, 0]) - margin, &
+            site_position(grid, body, coordinate, sites - 1) + margin)
+      end associate
+   end function is_full
+
+   !> Count the given particles that a body has in a tile, and sum their volumes.
+   pure subroutine count_given(grid, bodies, body, later, coordinate, particles, sum_volume)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
       integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer(int64), intent(out) :: particles
+      real(wp), intent(out) :: sum_volume             !! [m3]
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)
       integer :: n
 
       particles = 0
+      sum_volume = 0.0_wp
       call bodies(body)%given%collect(grid, coordinate, position, volume, number)
       do n = 1, size(number)
-         if (belongs(bodies, body, position(:, n), later)) particles = particles + 1
+         if (.not. belongs(bodies, body, position(:, n), later)) cycle
+         particles = particles + 1
+         sum_volume = sum_volume + bodies(body)%share*volume(n)
       end do
-   end function count_given
+   end subroutine count_given
 
    !> Fraction of a lattice site inside a body, and the centre of that part. Without cutting, the
    !! fraction is 1 if the middle of the site is inside the body.
@@ -241,20 +182,24 @@ contains
       type(store_t), intent(inout) :: store
       integer, allocatable :: near(:), new_count(:)
       real(wp), allocatable :: low(:, :), high(:, :)
+      real(wp) :: volume
+      integer(int64) :: found
       integer :: tile, n, number
 
       call find_boxes(grid, bodies, low, high)
       allocate (new_count(size(store%count)))
       new_count = 0
-      !$omp parallel default(none) private(tile, near, n, number) &
+      !$omp parallel default(none) private(tile, near, n, number, found, volume) &
       !$omp shared(grid, bodies, low, high, coordinates, index, new_count)
       allocate (near(size(bodies)))
       !$omp do schedule(dynamic, 16)
       do tile = 1, size(new_count)
          call find_near(grid, low, high, coordinates(:, tile), near, number)
          do n = 1, number
-            if (bodies(near(n))%store == index) new_count(tile) = new_count(tile) &
-               + int(count_sites(grid, bodies, near(n), near(n + 1:number), coordinates(:, tile)))
+            if (bodies(near(n))%store /= index) cycle
+            call count_sites(grid, bodies, near(n), near(n + 1:number), coordinates(:, tile), &
+               found, volume)
+            new_count(tile) = new_count(tile) + int(found)
          end do
       end do
       !$omp end do

@@ -100,12 +100,12 @@ contains
       real(wp), contiguous, intent(in) :: high(:, :)  !! (direction, body) [m]
       integer, intent(in) :: pair(2)                  !! Their indices
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
-      integer(int64), intent(inout) :: visited        !! Number of tiles that were visited
+      integer(int64), intent(inout) :: visited !! Tiles visited; one takes longer among many bodies
       integer, intent(inout) :: distance              !! Least so far
       integer, allocatable :: mine(:, :), theirs(:, :)
       integer :: n, x, y, z, beside(3), steps(3)
 
-      visited = visited + 1
+      visited = visited + 1 + size(bodies)/500
       call list_cells(grid, bodies, low, high, pair(1), coordinate, mine)
       if (size(mine, 2) == 0) return
       steps = merge(1, 0, grid%active)

@@ -25,6 +25,7 @@ module particle_shape
    type, abstract, extends(point_set_t), public :: shape_t
    contains
       procedure :: place => shape_place              !! Scale, rotate and translate
+      procedure :: spans => shape_spans              !! Does it surely contain a whole box?
       procedure(transform_i), deferred :: transform  !! The same with a rotation matrix
    end type shape_t
 
@@ -34,6 +35,7 @@ module particle_shape
    contains
       procedure :: contains => holder_contains       !! True for a point inside
       procedure :: bounds => holder_bounds           !! A bounding box
+      procedure :: spans => holder_spans             !! Does it surely contain a whole box?
       procedure :: set => holder_set                 !! Hold a copy of a shape
    end type shape_holder_t
 
@@ -47,6 +49,7 @@ module particle_shape
       real(wp) :: rotation(3, 3) = unturned          !! Columns are the local directions [1]
    contains
       procedure :: contains => box_contains          !! True for a point inside
+      procedure :: spans => box_spans                !! Does it surely contain a whole box?
       procedure :: bounds => box_bounds              !! A bounding box
       procedure :: transform => box_transform        !! Scale, rotate and translate
    end type box_t
@@ -246,6 +249,31 @@ contains
       hi = empty_upper
       if (allocated(self%shape)) call self%shape%bounds(lo, hi)
    end subroutine holder_bounds
+
+   !> True if the held shape surely contains a box.
+   pure logical function holder_spans(self, low, high) result(spans)
+      class(shape_holder_t), intent(in) :: self
+      real(wp), intent(in) :: low(3), high(3)        !! Corners, which count as points [m]
+
+      spans = .false.
+      if (allocated(self%shape)) spans = self%shape%spans(low, high)
+   end function holder_spans
+
+   !> True if a shape surely contains all points of a box; if false, each point must be tested.
+   pure logical function shape_spans(self, low, high) result(spans)
+      class(shape_t), intent(in) :: self
+      real(wp), intent(in) :: low(3), high(3)        !! Corners [m]
+
+      spans = .false.
+   end function shape_spans
+
+   !> True if a box along the coordinates contains all points of another one.
+   pure logical function box_spans(self, low, high) result(spans)
+      class(box_t), intent(in) :: self
+      real(wp), intent(in) :: low(3), high(3)        !! Corners [m]
+
+      spans = .not. self%turned .and. all(low >= self%lower .and. high < self%upper)
+   end function box_spans
 
    !> Store a copy of a shape.
    subroutine holder_set(self, shape)

@@ -5,7 +5,9 @@ module particle_volume_factors
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
+   use base_progress, only: progress_t
    use mesh_grid, only: grid_t
+   use omp_lib, only: omp_get_thread_num
    use particle_body, only: belongs, body_t, site_position, tile_sites
    use particle_candidates, only: candidates_t
    use particle_fill, only: site_volume
@@ -24,7 +26,8 @@ contains
       type(body_t), intent(inout) :: bodies(:)
       type(candidates_t) :: candidates
       type(exact_sum_t) :: lattice, given, own(2)
-      integer(int64) :: round
+      type(progress_t) :: progress
+      integer(int64) :: round, rounds
       real(wp) :: sums(2)
       integer :: body, coordinate(3)
       logical :: dealt
@@ -35,12 +38,17 @@ contains
          call candidates%find(grid, bodies(body:body))
          call lattice%clear()
          call given%clear()
+         rounds = candidates%rounds(communicator)
+         call progress%start(communicator%rank)
          !$omp parallel default(none) private(round, coordinate, dealt, sums, own) &
-         !$omp shared(communicator, grid, bodies, body, candidates, lattice, given)
+         !$omp shared(communicator, grid, bodies, body, candidates, lattice, given, rounds) &
+         !$omp shared(progress)
          call own(1)%clear()
          call own(2)%clear()
          !$omp do schedule(dynamic, 4)
-         do round = 1, candidates%rounds(communicator)
+         do round = 1, rounds
+            if (omp_get_thread_num() == 0) call progress%show("placing the particles of '"// &
+               bodies(body)%name//"'", round, rounds)
             call candidates%deal(communicator, round, coordinate, dealt)
             if (.not. dealt) cycle
             call sum_volumes(grid, bodies, body, coordinate, sums)

@@ -3,7 +3,7 @@
 !! output.
 module program_cost_report
    use base_kinds, only: int64, wp
-   use base_text, only: number, size_text
+   use base_text, only: brief, number, size_text
    use constitutive_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
@@ -43,7 +43,7 @@ contains
       steps = expected_steps(simulation, bodies, limits)
       bytes = memory_bytes(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//particles_text(bodies, survey) &
-         //solid_volumes_text(simulation%space%grid, bodies, survey%body) &
+         //solid_volumes_text(simulation%space%grid, bodies, survey%body, survey%volume) &
          //fields_text(simulation, survey)
       if (allocated(simulation%effects%contact)) text = text//contact_text(simulation, bodies)
       text = text//joined_text(simulation, bodies)
@@ -83,18 +83,33 @@ contains
       end associate
    end function grid_line
 
-   !> The number of particles of each body.
+   !> The number of particles of each body, and their mass, which is that of the first state.
    function particles_text(bodies, survey) result(text)
       type(body_t), intent(in) :: bodies(:)
       type(survey_t), intent(in) :: survey
       character(len=:), allocatable :: text
+      integer, parameter :: most_named = 12
+      character(len=:), allocatable :: counts, masses, comma
       integer :: n
 
-      text = "particles  "//number(survey%particles)//" in "//number(size(bodies)) &
-         //" bodies"
-      do n = 1, size(bodies)
-         text = text//merge(": ", ", ", n == 1)//bodies(n)%name//" "//number(survey%body(n))
+      counts = ""
+      masses = ""
+      do n = 1, min(size(bodies), most_named)
+         comma = trim(merge(":", ",", n == 1))//" "//bodies(n)%name//" "
+         counts = counts//comma//number(survey%body(n))
+         masses = masses//comma//brief(bodies(n)%density*survey%volume(n))
       end do
+      if (size(bodies) > most_named) then
+         comma = ", and "//number(size(bodies) - most_named)//" more bodies"
+         counts = counts//comma
+         masses = masses//comma
+      end if
+      text = "particles  "//number(survey%particles)//" in "//number(size(bodies)) &
+         //" bodies"//counts//new_line("a")//"mass       "// &
+         brief(sum(bodies%density*survey%volume))//" kg"
+      if (size(bodies) > 1) text = text//masses
+      if (any(bodies%lateral >= 0.0_wp)) text = text// &
+         "; initial_stress = 'lithostatic' makes it denser"
       text = text//new_line("a")
    end function particles_text
 

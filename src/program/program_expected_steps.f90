@@ -24,6 +24,7 @@ module program_expected_steps
    type :: flight_t
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, body) Corners of the boxes [m]
       real(wp), allocatable :: extent(:, :)          !! (3, body) With mirror images [m]
+      real(wp), allocatable :: velocity(:, :) !! (3, body) Bodies of one velocity never meet [m/s]
       real(wp), allocatable :: met(:)                !! (body) Time of its first impact [s]
       logical, allocatable :: passes(:)              !! (body) Does it perforate the target?
    end type flight_t
@@ -76,6 +77,7 @@ contains
       call set_boxes(simulation, bodies, flight)
       do other = 2, size(bodies)
          do one = 1, other - 1
+            if (.not. any(abs(flight%velocity(:, one) - flight%velocity(:, other)) > 0.0_wp)) cycle
             meeting = meeting_of(simulation, bodies, flight, one, other)
             if (meeting%time < time_end) call record_first_impact(simulation, bodies, flight, &
                meeting, &
@@ -84,6 +86,7 @@ contains
       end do
       do other = 2, size(bodies)
          do one = 1, other - 1
+            if (.not. any(abs(flight%velocity(:, one) - flight%velocity(:, other)) > 0.0_wp)) cycle
             meeting = meeting_of(simulation, bodies, flight, one, other)
             if (meeting%time < time_end) call add_impact(simulation, bodies, flight, meeting, one, &
                other, time_end, signal)
@@ -113,6 +116,7 @@ contains
       call set_boxes(simulation, bodies, flight)
       do other = 2, size(bodies)
          do one = 1, other - 1
+            if (.not. any(abs(flight%velocity(:, one) - flight%velocity(:, other)) > 0.0_wp)) cycle
             meeting = meeting_of(simulation, bodies, flight, one, other)
             if (.not. meeting%time < time_end) cycle
             sound = min(shocked_sound(simulation%materials(bodies(one)%store), 0.0_wp), &
@@ -137,10 +141,12 @@ contains
       mirrors = [(simulation%space%boundary%mirrors(k), k=1, 6)]
       mirrors(1) = mirrors(1) .or. simulation%space%grid%axisymmetric
       allocate (flight%low(3, size(bodies)), flight%high(3, size(bodies)))
+      allocate (flight%velocity(3, size(bodies)))
       allocate (flight%met(size(bodies)), source=huge(1.0_wp))
       allocate (flight%passes(size(bodies)), source=.false.)
       do n = 1, size(bodies)
          call bodies(n)%shape%bounds(flight%low(:, n), flight%high(:, n))
+         flight%velocity(:, n) = bodies(n)%velocity
          flight%low(:, n) = max(flight%low(:, n), simulation%space%grid%lower)
          flight%high(:, n) = min(flight%high(:, n), simulation%space%grid%upper)
       end do

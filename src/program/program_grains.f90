@@ -14,7 +14,7 @@ module program_grains
       version_text
    use grains_cell, only: cell_t
    use grains_checkpoint, only: cell_hash, save_cell
-   use grains_deck, only: check_grains, read_cell
+   use grains_deck, only: check_grains, grains_memory, read_cell
    use grains_measures, only: energy_t, find_energy
    use grains_output, only: grains_output_t
    use grains_path, only: check_lengths, path_t, read_stages
@@ -25,6 +25,7 @@ module program_grains
    use program_existing_results, only: protect_results
    use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
    use program_information, only: version_line
+   use program_memory, only: check_memory
    use program_messages, only: coded, with_code
    use program_run_limits, only: read_limits
    use program_run_setup, only: run_setup_t
@@ -53,6 +54,13 @@ contains
       begin = wall_seconds()
       call check_case(setup%deck)
       call check_grains(setup%deck)
+      call setup%deck%verdict(error)
+      if (allocated(error)) return
+      associate (communicator => setup%simulation%machine%communicator)
+         call check_memory(setup%deck, communicator, grains_memory(setup%deck, &
+            communicator%size), setup%deck%group("grains"), "number", "use fewer grains", &
+            refuses=.not. setup%command%force)
+      end associate
       call setup%deck%verdict(error)
       if (allocated(error)) return
       most_threads = omp_get_max_threads()

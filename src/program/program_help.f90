@@ -28,7 +28,7 @@ contains
          "      --overwrite        remove the results of a previous run of this case"//newline// &
          "  -q, --quiet            print only warnings and errors"//newline// &
          "  -v, --verbose          print details as well"//newline// &
-         "      --force            override limits on particles, output and dt_fixed"// &
+         "      --force            override limits on particles, memory, output, dt_fixed"// &
          newline// &
          "      --template         print a deck with all keys and defaults"//newline// &
          "      --explain WHAT     explain a key, a group or a message (code or text)"// &

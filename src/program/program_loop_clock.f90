@@ -7,6 +7,7 @@ module program_loop_clock
    use base_kinds, only: int64, wp
    use base_log, only: log_t
    use base_timer, only: process_seconds, wall_seconds
+   use output_schedule, only: intervals_until
    use program_job_time, only: job_seconds_left, no_job
    use program_run_limits, only: limits_t
    use step_simulation, only: simulation_t
@@ -60,7 +61,8 @@ contains
          self%wall_limit = self%wall_limit - scheduler_reserve
       end if
       if (limits%checkpoint_time > 0.0_wp) &
-         self%checkpoint_intervals = int(simulation%clock%time/limits%checkpoint_time, int64)
+         self%checkpoint_intervals = intervals_until(simulation%clock%time, &
+         limits%checkpoint_time, 1_int64) - 1
    end subroutine loop_clock_start
 
    !> True if the remaining wall time is needed for the last checkpoint. The reserve is twice the
@@ -82,13 +84,13 @@ contains
       class(loop_clock_t), intent(inout) :: self     !! Counts the intervals
       type(simulation_t), intent(in) :: simulation   !! After a step
       type(limits_t), intent(in) :: limits           !! Intervals of checkpoints
+      integer(int64) :: passed
 
       due = simulation%machine%requests%checkpoint > 0.0_wp
       if (.not. limits%checkpoint_time > 0.0_wp) return
-      do while (simulation%clock%time >= &
-         real(self%checkpoint_intervals + 1, wp)*limits%checkpoint_time)
-         self%checkpoint_intervals = self%checkpoint_intervals + 1
-         due = .true.
-      end do
+      passed = intervals_until(simulation%clock%time, limits%checkpoint_time, &
+         self%checkpoint_intervals + 1) - 1
+      due = due .or. passed > self%checkpoint_intervals
+      self%checkpoint_intervals = passed
    end function loop_clock_is_checkpoint_due
 end module program_loop_clock

@@ -10,12 +10,13 @@ module program_main
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use program_batch_job, only: job_text
    use program_command_line, only: parse_command_line, program_arguments
-   use program_cost_report, only: cost_report
+   use program_cost_report, only: cost_report, memory_bytes
    use program_examples, only: copied_t, copy_example, next_steps
    use program_existing_results, only: existing_results_text
    use program_grains, only: run_grains
    use program_information, only: print_information
    use program_material_point, only: drive_point
+   use program_memory, only: end_without_memory, memory_suffices
    use program_messages, only: add_codes, coded
    use program_preview, only: draw_preview, write_preview
    use program_run_setup, only: build_setup, declare_deck_keys, read_setup
@@ -29,7 +30,7 @@ module program_main
    implicit none
    private
 
-   public :: run_program
+   public :: end_without_memory, run_program
 
 contains
 
@@ -182,6 +183,7 @@ contains
       text = existing_results_text(session)
       if (len(text) > 0) write (output_unit, "(a)") text
       if (.not. session%command%estimate .or. session%survey%particles > most_particles) return
+      if (.not. memory_suffices(memory_bytes(session%simulation, session%survey))) return
       call estimate_text(session, text, error)
       if (.not. allocated(error)) write (output_unit, "(a)", advance="no") text
    end subroutine print_check

@@ -3,10 +3,10 @@
 module program_material_point
    use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
-   use base_error, only: error_t
+   use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: wp
    use base_schema, only: changes_nothing, schema_t
-   use base_text, only: buffer_t
+   use base_text, only: brief, buffer_t, number
    use io_file, only: make_folder, write_file
    use material_point, only: point_t
    use material_type, only: material_t
@@ -83,7 +83,7 @@ contains
       type(group_t) :: group
       character(len=:), allocatable :: place, name
       real(wp), allocatable :: table(:, :)
-      integer :: index
+      integer :: index, rows
 
       group = deck%group("point")
       call group%get("material", name)
@@ -110,9 +110,25 @@ contains
       call make_folder(place, error)
       if (allocated(error)) return
       name = place//"/"//name//"_point.csv"
-      call write_file(name, csv(point%header(), table), error)
+      rows = valid_rows(table)
+      call write_file(name, csv(point%header(), table(:, :rows)), error)
+      if (allocated(error)) return
+      if (rows < size(table, 2)) call fail(error, exit_physics, "the state of the material "// &
+         "point is not finite in row "//number(rows + 1)//" of "//number(size(table, 2))//", "// &
+         trim(merge("particle_speed", "strain        ", point%path == "hugoniot"))//" = "// &
+         brief(table(merge(1, 2, point%path == "hugoniot"), rows + 1))//"; "//name// &
+         " has the rows before it: reduce strain, rate or speed in &point, or check the constants")
       note = "point     "//material%name//"  "//point%path//"  "//name
    end subroutine drive_point
+
+   !> Rows before the first one with a number that is not finite.
+   pure integer function valid_rows(table) result(rows)
+      real(wp), intent(in) :: table(:, :)            !! (column, row)
+
+      do rows = 0, size(table, 2) - 1
+         if (.not. all(abs(table(:, rows + 1)) <= huge(1.0_wp))) return
+      end do
+   end function valid_rows
 
    !> Read the path.
    subroutine read_point(group, point)
@@ -137,15 +153,15 @@ contains
       real(wp), intent(in) :: table(:, :)            !! (column, row)
       character(len=:), allocatable :: text
       type(buffer_t) :: buffer
-      character(len=25) :: number
+      character(len=25) :: digits
       integer :: row, column
 
       call buffer%line(header)
       do row = 1, size(table, 2)
          do column = 1, size(table, 1)
-            write (number, "(es24.16)") table(column, row)
+            write (digits, "(es24.16)") table(column, row)
             if (column > 1) call buffer%add(",")
-            call buffer%add(trim(adjustl(number)))
+            call buffer%add(trim(adjustl(digits)))
          end do
          call buffer%line("")
       end do

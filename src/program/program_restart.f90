@@ -4,6 +4,7 @@ module program_restart
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: wp
    use base_log, only: log_t
+   use base_text, only: brief
    use io_deck_changes, only: changes_t
    use output_checkpoint, only: resume
    use program_run_setup, only: run_setup_t
@@ -33,6 +34,12 @@ contains
          ended = len(changes%end) > 0 .and. (simulation%clock%step > limits%max_steps .or. &
             simulation%clock%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
          if (changes%state() .and. .not. ended) ended = is_finished(simulation, limits)
+         ! the last step of a run ends at t_end
+         if (.not. (ended .or. simulation%clock%time <= limits%time_end*(1.0_wp + 1.0e-9_wp))) &
+            call fail(error, exit_file, note//": its time, "//brief(simulation%clock%time)// &
+            " s, is after t_end = "//brief(limits%time_end)//" s; raise t_end, or start again "// &
+            "with --overwrite")
+         if (allocated(error)) return
       end associate
       if (ended) call fail(error, exit_file, note//": the run is finished, so these changes "// &
          "of the deck would have no effect (values in SI):"//changes%physics//changes%end// &

@@ -16,9 +16,12 @@ module program_run_setup
    use output_streams, only: outputs_t
    use particle_fill, only: body_t
    use program_command, only: command_t
+   use program_cost_report, only: memory_bytes
    use program_expected_steps, only: expected_steps
    use program_fixed_step, only: check_fixed_step
    use program_material_point, only: declare_point, make_scene_optional
+   use program_memory, only: check_memory
+   use program_plausible, only: check_plausible
    use program_run_limits, only: limits_t, read_limits
    use scene_body_placement, only: check_elastic, check_placement, check_size, default_most_points
    use scene_deck_check, only: check_deck
@@ -112,6 +115,7 @@ contains
       if (allocated(setup%survey%key)) &
          call check_formulas(setup%deck, setup%simulation, setup%bodies, setup%survey%key)
       call read_limits(setup%deck, setup%limits)
+      call check_plausible(setup%schema, setup%deck, setup%simulation, setup%bodies, setup%limits)
       if (.not. setup%command%force) call check_fixed_step(setup%deck, setup%simulation, &
          setup%bodies)
       call describe_simulation(setup%deck, setup%simulation, setup%bodies, setup%deck_text, &
@@ -122,6 +126,10 @@ contains
       if (allocated(error)) return
       if (.not. setup%command%force) call setup%outputs%limit(setup%deck, setup%survey%particles, &
          setup%limits%time_end, expected_steps(setup%simulation, setup%bodies, setup%limits))
+      if (.not. allocated(setup%command%job%scheduler)) call check_memory(setup%deck, &
+         setup%simulation%machine%communicator, memory_bytes(setup%simulation, setup%survey), &
+         setup%deck%group("grid", 1), "dx", "use larger cells or fewer ppc", &
+         refuses=.not. (setup%command%check .or. setup%command%force))
       call setup%deck%verdict(error)
    end subroutine build_setup
 end module program_run_setup

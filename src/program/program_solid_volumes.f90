@@ -10,6 +10,7 @@ module program_solid_volumes
    use particle_points, only: points_t
    use particle_prism, only: prism_t
    use particle_voxels, only: voxels_t
+   use scene_body_placement, only: count_samples
    implicit none
    private
 
@@ -19,13 +20,15 @@ contains
 
    !> One line for each body of facets, voxels or a prism, and for each list of particles. There
    !! are no lines in axisymmetric scenes, where the volume of the shape is not that of the body.
-   function solid_volumes_text(grid, bodies, particles) result(text)
+   !! Only the part of a shape that is in the grid can be filled.
+   function solid_volumes_text(grid, bodies, particles, filled) result(text)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer(int64), intent(in) :: particles(:)     !! (body) Number of particles
+      real(wp), intent(in) :: filled(:)              !! (body) Volume of the particles [m3]
       character(len=:), allocatable :: text
       character(len=:), allocatable :: what
-      real(wp) :: volume, filled
+      real(wp) :: volume, inside, error
       integer :: n
 
       text = ""
@@ -37,13 +40,56 @@ contains
          if (grid%axisymmetric) cycle
          call find_volume(grid, bodies(n), what, volume)
          if (what == "") cycle
-         filled = real(particles(n), wp)*grid%depth*grid%spacing**grid%dimensions &
-            /real(product(bodies(n)%per_cell), wp)
-         text = text//what//" "//brief(volume)//" m3, its particles hold "//brief(filled)//" m3"
-         if (volume > 0.0_wp) text = text//" ("//brief(100.0_wp*(filled/volume - 1.0_wp))//" %)"
+         text = text//what//" "//brief(volume)//" m3, "
+         call estimate_inside(grid, bodies(n), inside, error)
+         if (inside < 1.0_wp) then
+            volume = inside*volume
+            text = text//"about "//tenths(100.0_wp*inside)//" % of it in the grid, "
+         end if
+         text = text//"its particles hold "//brief(filled(n))//" m3"
+         if (volume > 0.0_wp) text = text//" ("//percent(filled(n)/volume - 1.0_wp, error)//" %)"
          text = text//new_line("a")
       end do
    end function solid_volumes_text
+
+   !> Fraction of a shape that is in the grid, exact if it is all of it, and the standard error of
+   !! the fraction, from points on a lattice that are taken as random.
+   subroutine estimate_inside(grid, body, inside, error)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
+      real(wp), intent(out) :: inside                !! [1]
+      real(wp), intent(out) :: error                 !! Relative [1]
+      real(wp) :: low(3), high(3)
+      integer :: within, beyond
+
+      inside = 1.0_wp
+      error = 0.0_wp
+      call body%shape%bounds(low, high)
+      if (all(.not. grid%active .or. (low >= grid%lower .and. high <= grid%upper))) return
+      call count_samples(grid, body, low, high, within, beyond)
+      if (within == 0 .or. beyond == 0) return
+      inside = real(within, wp)/real(within + beyond, wp)
+      error = sqrt(real(beyond, wp)/(real(within, wp)*real(within + beyond, wp)))
+   end subroutine estimate_inside
+
+   !> A fraction in per cent, with its error if it has one.
+   pure function percent(fraction, error) result(text)
+      real(wp), intent(in) :: fraction, error        !! [1]
+      character(len=:), allocatable :: text
+
+      text = brief(100.0_wp*fraction)
+      if (error > 0.0_wp) text = tenths(100.0_wp*fraction)//" +- "// &
+         tenths(max(100.0_wp*error, 0.1_wp))
+   end function percent
+
+   !> A number rounded to tenths.
+   pure function tenths(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: text
+
+      ! the sum is not -0
+      text = brief(anint(10.0_wp*value)/10.0_wp + 0.0_wp)
+   end function tenths
 
    !> A line for a body whose particles are not on a lattice.
    function listed_particles_text(grid, body, particles) result(text)

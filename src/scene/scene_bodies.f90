@@ -89,7 +89,7 @@ contains
          call check_plane(deck, deck%group("body", i), "repeat_step")
          call check_speed(deck, deck%group("body", i))
          call check_spin(deck, deck%group("body", i))
-         call check_kelvin(deck, deck%group("body", i))
+         call check_kelvin(deck, deck%group("body", i), "temperature")
       end do
    end subroutine check_bodies
 

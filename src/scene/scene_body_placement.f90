@@ -13,7 +13,7 @@ module scene_body_placement
    implicit none
    private
 
-   public :: check_elastic, check_placement, check_size
+   public :: check_elastic, check_placement, check_size, count_samples
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
    real(wp), parameter :: most_tiles = 2.0e8_wp      !! Greatest number of tiles of a body
@@ -80,9 +80,11 @@ contains
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: bodies(:)
       type(survey_t), intent(in) :: survey           !! Particles of the bodies
-      integer :: n, other, pairs
+      real(wp) :: low(3, size(bodies)), high(3, size(bodies)), pairs
+      integer :: n, other
 
       do n = 1, size(bodies)
+         call cut_bounds(simulation%space%grid, bodies(n), low(:, n), high(:, n))
          if (survey%body(n) == 0 .or. .not. bodies(n)%share > 0.0_wp) then
             call refuse_empty(deck, simulation%space%grid, bodies(n), n)
             cycle
@@ -90,9 +92,11 @@ contains
          call check_outside(deck, simulation, bodies(n), n)
          call check_thickness(deck, simulation, bodies(n), n)
       end do
-      pairs = size(bodies)*(size(bodies) - 1)/2
+      pairs = 0.5_wp*real(size(bodies), wp)*real(size(bodies) - 1, wp)
       do n = 1, size(bodies) - 1
          do other = n + 1, size(bodies)
+            if (any(simulation%space%grid%active .and. (low(:, n) >= high(:, other) .or. &
+               low(:, other) >= high(:, n)))) cycle
             call check_overlap(deck, simulation%space%grid, bodies, [n, other], pairs)
          end do
       end do
@@ -247,7 +251,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: pair(2)                 !! Earlier and later body
-      integer, intent(in) :: pairs !! Number of pairs over which the limit is divided
+      real(wp), intent(in) :: pairs !! Number of pairs over which the limit is divided
       real(wp), parameter :: work = 2.0e6_wp         ! sites tested, all pairs together
       real(wp) :: low(3), high(3), other_low(3), other_high(3), point(3), edge(3), sites
       integer :: first(3), last(3), stride(3), x, y, z
@@ -263,7 +267,7 @@ contains
       first = merge(floor((low - grid%lower)/edge), 0, grid%active)
       last = merge(ceiling((high - grid%lower)/edge) - 1, 0, grid%active)
       stride = 1
-      sites = product(real(last - first + 1, wp))*real(pairs, wp)
+      sites = product(real(last - first + 1, wp))*pairs
       if (sites > work) stride = merge(ceiling((sites/work)**(1.0_wp/real(grid%dimensions, wp))), &
          1, grid%active)
       points = 0

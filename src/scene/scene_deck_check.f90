@@ -12,7 +12,7 @@ module scene_deck_check
    use scene_regions, only: check_regions
    use scene_run, only: check_case, set_output_units
    use scene_time, only: check_time
-   use scene_unit_warnings, only: check_material_units
+   use scene_unit_warnings, only: check_friction, check_material_units
    implicit none
    private
 
@@ -36,6 +36,12 @@ contains
       call check_time(deck)
       do i = 1, deck%count("material")
          call check_material_units(deck, deck%group("material", i))
+      end do
+      do i = 1, deck%count("contact")
+         call check_friction(deck, deck%group("contact", i))
+      end do
+      do i = 1, deck%count("boundary")
+         call check_friction(deck, deck%group("boundary", i))
       end do
       call check_regions(deck)
       call check_bodies(deck)

@@ -16,9 +16,10 @@ module scene_particles
    use mesh_surface_load, only: mark_columns
    use mesh_tiles, only: partition_keys, partition_scattered_keys
    use omp_lib, only: omp_get_max_threads
-   use particle_fill, only: body_t, fill_bodies, survey_bodies
+   use particle_fill, only: body_t, fill_bodies
    use particle_place, only: find_place
    use particle_store, only: store_t, traits_t
+   use particle_survey, only: survey_bodies
    use particle_volume_factors, only: set_volume_factors
    use scene_cell, only: start_cell
    use scene_contact, only: bond_stores, store_name
@@ -37,6 +38,7 @@ module scene_particles
       integer(int64) :: particles = 0                !! Number of particles in all bodies
       integer(int64) :: tiles = 0                    !! Tiles with particles, on all ranks
       integer(int64), allocatable :: body(:)         !! (body) Particles
+      real(wp), allocatable :: volume(:)             !! (body) Volume of its particles [m3]
       !> (tile) Tiles with particles that this rank has counted, ascending. They can be anywhere in
       !! the domain; each tile is on the list of one rank.
       integer(int64), allocatable :: key(:)
@@ -155,10 +157,10 @@ contains
       integer(int64) :: total(1)
 
       call set_volume_factors(simulation%machine%communicator, simulation%space%grid, bodies)
-      allocate (survey%body(size(bodies)))
+      allocate (survey%body(size(bodies)), survey%volume(size(bodies)))
       call survey_bodies(simulation%machine%communicator, simulation%space%grid, bodies, &
          survey%key, &
-         survey%particles_of, survey%body)
+         survey%particles_of, survey%body, survey%volume)
       total = size(survey%key)
       call simulation%machine%communicator%total(total)
       survey%tiles = total(1)

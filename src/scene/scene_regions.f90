@@ -5,7 +5,7 @@ module scene_regions
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
    use base_schema, only: changes_nothing, changes_physics, schema_t
-   use base_text, only: text_t
+   use base_text, only: number, text_t
    use mesh_grid, only: grid_t
    use particle_shape, only: box, combine, cylinder, rotation_matrix, set_difference, &
       set_intersection, set_union, shape_holder_t, sphere, transform_point
@@ -25,12 +25,15 @@ module scene_regions
       "shape = sphere cylinder ellipsoid cone torus halfspace" !! Shapes with a centre
    character(len=*), parameter :: round = "shape = sphere cylinder cone torus" !! With a radius
    character(len=*), parameter :: sets = "shape = union difference intersection"
+   !> Simple shapes in all regions together. Nested set operations can double them each time.
+   integer, parameter :: most_parts = 200000
 
    !> A region.
    type :: named_shape_t
       character(len=:), allocatable :: name          !! Name in the deck
       type(shape_holder_t) :: shape                  !! Position in the deck
       type(point_region_t), allocatable :: points    !! Points, if the region is a list of points
+      integer :: parts = 1                           !! Number of simple shapes in it
       logical :: ready = .false.                     !! Is the shape built?
       logical :: in_progress = .false.               !! Is the region being built?
    end type named_shape_t
@@ -358,6 +361,7 @@ contains
 
       call group%list("of", names)
       allocate (operands(size(names)))
+      shapes(index)%parts = 0
       do n = 1, size(names)
          do other = 1, size(shapes)
             if (shapes(other)%name /= names(n)%text) cycle
@@ -365,6 +369,14 @@ contains
             if (allocated(shapes(other)%points)) call deck%add_error(group, "'"// &
                names(n)%text//"' is a list of points, which has no interior; name other regions", &
                key="of")
+            shapes(index)%parts = min(shapes(index)%parts + shapes(other)%parts, most_parts)
+            if (sum(shapes%parts, mask=shapes%ready) + shapes(index)%parts >= most_parts) then
+               if (deck%sound("region")) call deck%add_error(group, "the regions up to this "// &
+                  "one are made of more than "//number(most_parts)//" simple shapes, because "// &
+                  "each region contains copies of those in of; combine pairs, then pairs of "// &
+                  "these, instead of one after another, and name no region twice", key="of")
+               return
+            end if
             operands(n) = shapes(other)%shape
          end do
       end do

@@ -8,7 +8,7 @@ module scene_unit_warnings
    implicit none
    private
 
-   public :: check_angles, check_kelvin, check_material_units
+   public :: check_angles, check_friction, check_kelvin, check_material_units
 
    !> A key of &material, its plausible range, and the warnings outside this range.
    type :: usual_t
@@ -20,18 +20,15 @@ module scene_unit_warnings
    end type usual_t
 
    !> Limits are the density of foam and osmium; sound speed of rubber foam and diamond; heat
-   !! capacity of lead and hydrogen; yield stress of gel and of whiskers; the shear modulus of
-   !! metals increases by a few per cent per gigapascal (D. J. Steinberg, S. G. Cochran, M. W.
-   !! Guinan, J. Appl. Phys. 51 (1980) 1498).
-   type(usual_t), parameter :: usual(5) = [ &
+   !! capacity of lead and hydrogen; the shear modulus of metals increases by a few per cent per
+   !! gigapascal (D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980) 1498).
+   type(usual_t), parameter :: usual(4) = [ &
       usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene", &
       "is heavier than osmium"), &
       usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "is slower than a wave in soft foam", &
       "is faster than any wave in a material"), &
       usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any material", &
       "is more than that of hydrogen"), &
-      usual_t("jc_a          ", 1.0e2_wp, 1.0e11_wp, "is softer than a gel", &
-      "is stronger than any material"), &
       usual_t("scg_gp        ", 0.0_wp, 1.0e-7_wp, "", &
       "is that of a table per Mbar (6.52 is 6.52e-11)")]
    real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in materials [m/s]
@@ -64,6 +61,7 @@ contains
          if (it%key == "density") return
       end do
       call check_wave(deck, material)
+      call check_kelvin(deck, material, "t_ref")
    end subroutine check_material_units
 
    !> True for a gas, whose density has no lower limit: by its equation of state, or as a fluid with
@@ -100,8 +98,6 @@ contains
          unit = "m/s "
       case ("specific_heat")
          unit = "J/(kg K) "
-      case ("jc_a")
-         unit = "Pa "
       case default
          unit = "1/Pa "
       end select
@@ -143,17 +139,32 @@ contains
    end subroutine check_wave
 
    !> Warn of a temperature that is probably in degrees Celsius.
-   subroutine check_kelvin(deck, body)
+   subroutine check_kelvin(deck, group, key)
       type(deck_t), intent(inout) :: deck
-      type(group_t), intent(in) :: body                  !! One body
+      type(group_t), intent(in) :: group                 !! A body or material
+      character(len=*), intent(in) :: key                !! Temperature
       real(wp) :: temperature
 
-      if (.not. (body%given("temperature") .and. body%known("temperature"))) return
-      call body%get("temperature", temperature)
-      if (temperature > 0.0_wp .and. temperature < 50.0_wp) call deck%warn(body, &
-         "temperature = "//brief(temperature)//" K: did you mean degrees Celsius ("// &
-         brief(temperature + 273.15_wp)//" K)?", "temperature")
+      if (.not. (group%given(key) .and. group%known(key))) return
+      call group%get(key, temperature)
+      if (temperature > 0.0_wp .and. temperature < 50.0_wp) call deck%warn(group, &
+         key//" = "//brief(temperature)//" K: did you mean degrees Celsius ("// &
+         brief(temperature + 273.15_wp)//" K)?", key)
    end subroutine check_kelvin
+
+   !> Warn of a coefficient of friction that is probably an angle in degrees.
+   subroutine check_friction(deck, group)
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: group                 !! A contact or boundary
+      real(wp), parameter :: most = 10.0_wp              ! coefficients of rubber reach 4
+      real(wp) :: friction
+
+      if (.not. (group%given("friction") .and. group%known("friction"))) return
+      call group%get("friction", friction)
+      if (friction > most .and. friction < 90.0_wp) call deck%warn(group, "friction = "// &
+         brief(friction)//" is a coefficient: did you mean an angle in degrees (friction = "// &
+         brief(tan(friction*pi/180.0_wp))//")?", "friction")
+   end subroutine check_friction
 
    !> Warn of angles that are simple fractions of a turn in radians.
    subroutine check_angles(deck, region)

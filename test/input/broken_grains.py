@@ -52,4 +52,7 @@ FAULTS = [
     ("lattice", "cells = 3 3 3", "cells = 1000 1000 1000", 3,
      "&cell: the lattice has 4.0e9 grains; the greatest number is 1.0e8: write fewer cells"),
     ("discs", "duration = 1e-3", "duration = 1e300", 4, "the stage would take"),
+    ("discs", "rate = 0 0 0 1 0 0", "rate = 0 0 0 1e30 0 0", 5, "the cell would be strained by"),
+    ("discs", "density = 2500", "density = 1e-300", 1,
+     "diameter, density and stiffness give a time step that is not a positive number"),
 ]

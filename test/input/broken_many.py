@@ -6,7 +6,7 @@ reported, because an error that only follows from another one misleads the reade
 
 ONE = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
-&time t_end = 1e-5  t_ende = 3 /
+&time t_end = 1e-4  t_ende = 3 /
 &effects damage = .true. /
 &material name = 'metal' density = 2700 kg
   young = 70e9  poisson = 0.3 /

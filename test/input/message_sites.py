@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 # Procedures that report or create an error or a warning.
 REPORTS = {"add_error", "warn", "error", "warning", "fail", "command_line_error", "fail_reading", "fail_path",
-           "fail_at", "fail_check", "refuse", "refuse_key", "warn_of_particle"}
+           "fail_at", "fail_check", "refuse", "refuse_key", "set_fault", "warn_of_particle"}
 CALL = re.compile(r"\bcall\s+((?:\w+(?:\([^()]*\))?\s*%\s*)*)(\w+)\s*\(", re.I)
 # Variables that hold the text of a message until it is reported.
 WORDS = re.compile(r"(?:^|\)\s*)(?:fault|problem|doubt)\s*=(?!=)", re.I)

@@ -215,7 +215,7 @@ class TestBadDecks:
         assert "chain.nml > other.nml > chain.nml" in self.check(options, "chain", "&include file = 'other.nml' /")
         (folder / "other.nml").write_text("! a line\n&time t_end = x /\n", encoding="utf-8")
         assert "other.nml:2: error: &time: t_end = x  <- expects a number" in self.check(options,
-            "chain", GOOD.replace("&time t_end = 1e-5 /", "&include file = 'other.nml' /")
+            "chain", GOOD.replace("&time t_end = 1e-4 /", "&include file = 'other.nml' /")
         )
 
     def test_other_ends_of_lines(self, options):

@@ -33,7 +33,7 @@ COMPOSED = {
     ("output_history_columns", "...;"), ("output_history_columns", "is unknown in a history"),
     ("step_trust", "...;"), ("step_trust", "...: they no longer")}
 # The number of codes in each hundred: codes are only added, at the end.
-FEWEST = {"D1": 16, "D2": 29, "D3": 66, "D4": 47, "D5": 7, "C1": 16, "C2": 6, "R1": 30, "F1": 24}
+FEWEST = {"D1": 16, "D2": 29, "D3": 66, "D4": 47, "D5": 12, "C1": 16, "C2": 6, "R1": 36, "F1": 24}
 
 
 def all_messages():
