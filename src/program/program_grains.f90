@@ -22,7 +22,7 @@ module program_grains
    use io_state, only: state_t
    use io_summary, only: json_t
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use program_existing_results, only: protect_results
+   use program_existing_results, only: lock_case, nothing_to_restart, protect_results
    use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
    use program_information, only: version_line
    use program_messages, only: coded, with_code
@@ -48,6 +48,7 @@ contains
       type(grains_run_t) :: run
       real(wp) :: begin
       integer :: most_threads
+      logical :: fresh
 
       code = exit_success
       begin = wall_seconds()
@@ -73,17 +74,20 @@ contains
          call log%info(cost_text(run))
          return
       end if
-      call protect_results(setup, error)
+      call lock_case(setup, log, error)
+      if (allocated(error)) return
+      call protect_results(setup, fresh, error)
       if (allocated(error)) return
       if (setup%command%restart) then
          call restart_cell(setup, run, error)
       else
          call start_run(run)
+         if (fresh) run%note = nothing_to_restart
       end if
       if (allocated(error)) return
       call open_grains_log(setup, run, log, error)
       if (allocated(error)) return
-      call follow_path(run, log, code, error)
+      call follow_path(run, log, setup%lock, code, error)
       call finish_run(run, log, wall_seconds() - begin, code, error)
    end subroutine run_grains
 
