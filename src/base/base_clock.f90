@@ -9,8 +9,8 @@ module base_clock
 
 contains
 
-   !> True for hours:minutes:seconds, with one to three digits of hours and also of the days that may
-   !! be before them, as in 2-00:00:00.
+   !> True for hours:minutes:seconds with one to three digits of hours, and also with days before
+   !! them, as in 2-00:00:00.
    pure logical function is_clock(text) result(valid)
       character(len=*), intent(in) :: text               !! Text of the user
       integer :: dash, last

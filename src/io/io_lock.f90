@@ -135,7 +135,7 @@ contains
    !! keeps it.
    subroutine take_over(lock, path, line, verdict, error)
       type(lock_t), intent(inout) :: lock
-      character(len=*), intent(in) :: path           !! The lock
+      character(len=*), intent(in) :: path           !! File of the lock
       character(len=*), intent(in) :: line           !! Its line
       integer, intent(out) :: verdict                !! One of the constants above
       type(error_t), allocatable, intent(out) :: error !! Cannot be written
@@ -344,7 +344,7 @@ contains
    end function time_text
 
    !> Seconds since 1970.
-   integer(int64) function now()
-      now = int(c_time(c_null_ptr), int64)
+   integer(int64) function now() result(seconds)
+      seconds = int(c_time(c_null_ptr), int64)
    end function now
 end module io_lock

@@ -42,7 +42,8 @@ contains
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for "//scheduler_list("or")//", with"// &
          newline// &
-         "                         --nodes N, --ranks N, --threads N, --time D-HH:MM:SS"//newline// &
+         "                         --nodes N, --ranks N, --threads N, --time D-HH:MM:SS"// &
+         newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
          "      --self-test        run small scenes and compare their digests"//newline// &
          "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline

@@ -127,7 +127,7 @@ contains
       end associate
    end subroutine end_run
 
-   !> End a chain of batch jobs each of which has time for one step only, which every run does before
+   !> End a chain of batch jobs each of which has time for one step only. Every run does one before
    !! it obeys a signal or its wall limit.
    subroutine require_progress(session, error)
       class(session_t), intent(in) :: session        !! At its end

@@ -3,8 +3,8 @@
 
 Would catch a script that the shell cannot read, that loses an option or a quote, does not resubmit the job when the run
 requests it, resubmits it for any other reason, loses an exit code, starts from the beginning where it should
-restart, or removes results; a signal that ends the script instead of the run; and a memory request that does not depend on the number of
-particles.
+restart, or removes results; a signal that ends the script instead of the run; and a memory request that does not depend
+on the number of particles.
 """
 
 import os

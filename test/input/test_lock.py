@@ -3,8 +3,8 @@
 """One run of a case in a folder at a time.
 
 Would catch: a second run that replaces, continues or removes the files of a run that is still computing; a lock that
-remains and refuses the run after a kill, or that is removed by a run that does not own it; a run on another host that is
-taken for ended; files of other programs that are changed through a link; ranks with different options that wait for
+remains and refuses the run after a kill, or that is removed by a run that does not own it; a run on another host that
+is taken for ended; files of other programs that are changed through a link; ranks with different options that wait for
 each other.
 """
 
@@ -60,12 +60,17 @@ class TestLock:
         child = first.start("--quiet", *ENDLESS)
         lock = first.path(".lock")
         await_file(first.path("_p_000000.hdf"), child)
+        end = time.monotonic() + 60
+        while "t/t_end" not in first.path(".log").read_text(encoding="utf-8"):
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        time.sleep(0.3)                                  # all output of the first state
         second = self.run_of(options, ranks=ranks, keep=True)
         before = contents(first.folder, ("c.log",))
         for words in (["--overwrite"], ["--restart"], []):
             second.run("--quiet", *words, expect=3)
             assert f"case 'c' in '{first.folder}' is in use by process {child.pid} on host" in second.output
-            assert "wait for its end or stop it" in second.output and "rank 0:" not in second.output
+            assert "wait for its end or stop it" in second.output
             assert contents(first.folder, ("c.log",)) == before and child.poll() is None
         self.run_of(options, "beside").run("--quiet", "--case", "d", "--outdir", first.folder)
         child.send_signal(signal.SIGUSR1)
