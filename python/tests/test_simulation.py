@@ -89,8 +89,8 @@ def test_one_run_of_a_case_in_a_folder(tmp_path: Path) -> None:
 
 def test_texts_that_are_no_names(tmp_path: Path) -> None:
     """Would catch a text of the caller that ends a line of a log, a script or a table."""
-    for options in ({"case": "a\nb"}, {"case": "a b"}, {"case": "../a"}, {"case": "a\0b"}, {"set": {"run.title": "a\tb"}},
-                    {"set": {"material.name": "a/b"}}):
+    for options in ({"case": "a\nb"}, {"case": "a b"}, {"case": "../a"}, {"case": "a\0b"},
+                    {"set": {"run.title": "a\tb"}}, {"set": {"material.name": "a/b"}}):
         with pytest.raises(scree.DeckError):
             simulate(tmp_path / "x", **options)
         with pytest.raises((scree.DeckError, ValueError)):

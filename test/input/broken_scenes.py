@@ -342,8 +342,9 @@ NAMES = [
      "&run: case = 'a b'  <- is not a name: names have letters, digits"),
     ("plain", "name = 'ball'", "name = 'a/b'", 6, "&region: name = 'a/b'  <- is not a name"),
     ("plain", "name = 'one'", "name = '.one'", 7, "&body: name = '.one'  <- is not a name"),
-    ("plain", "name = 'metal'", "name = 'me\ttal'", 5, "has a control character, number 9 at place 3; only printable"),
-    ("plain", "name = 'one'", "name = 'on\u2028e'", 7, "<- is not a name: names have letters, digits"),
+    ("plain", "name = 'metal'", "name = 'me\ttal'", 4,
+     "&material: name = 'me\ttal'  <- has a control character, number 9 at place 3; only printable"),
+    ("plain", "name = 'one'", "name = 'on\u202ee'", 7, "<- is not a name: names have letters, digits"),
 ]
 
 # Bodies that are not possible.
@@ -523,11 +524,10 @@ COMMANDS = [
     (["--set", "time.t_end=1 /"], "&time: t_end = 1 /  <- is not a value"),
     (["--set="], "the value of --set is empty"),
     (["--case", "a/b"], "&run: case = a/b  <- is not a name: names have letters, digits"),
-    (["--case", "a\nb"], "argument 2 has a control character, number 10 at place 2; only printable"),
-    (["--set", "run.title=a\x7fb"], "argument 2 has a control character, number 127 at place 12"),
-    (["--outdir", "a\u0085b"], "argument 2 has a control character, number 133 at place 2"),
-    (["--set", "run.title=" + os.fsdecode(b"a\xffb")], "argument 2 has bytes that are not UTF-8 text, the first one "
-     "at place 12"),
+    (["--case", "a\nb"], "has a control character, number 10 at place 2; only printable"),
+    (["--set", "run.title=a\x7fb"], "has a control character, number 127 at place 12"),
+    (["--outdir", "a\u0085b"], "has a control character, number 133 at place 2"),
+    (["--set", "run.title=" + os.fsdecode(b"a\xffb")], "has bytes that are not UTF-8 text, the first one at place 12"),
     (["--case", "it's"], "&run: case = it's  <- is not a value"),
     (["--case="], "the value of --case is empty"),
     (["--chek"], "unknown option --chek; did you mean --check?"),

@@ -45,6 +45,20 @@ def contents(folder, without=()):
 class TestLock:
     """Each test has a folder of its own."""
 
+    @pytest.fixture(autouse=True)
+    def children(self):
+        """Runs that a failed test leaves are ended."""
+        self.started = []
+        yield
+        for child in self.started:
+            child.kill()
+            child.wait(timeout=60)
+
+    def start(self, run, *words):
+        """Start a run."""
+        self.started.append(run.start(*words))
+        return self.started[-1]
+
     def run_of(self, options, name="c", **how):
         run = case.Case(options, name, DECK, **how)
         run.guarded = True
@@ -57,7 +71,7 @@ class TestLock:
         if ranks > 1:
             case.need_ranks(options.scree)
         first = self.run_of(options)
-        child = first.start("--quiet", *ENDLESS)
+        child = self.start(first, "--quiet", *ENDLESS)
         lock = first.path(".lock")
         await_file(first.path("_p_000000.hdf"), child)
         end = time.monotonic() + 60
@@ -83,7 +97,7 @@ class TestLock:
         """Would catch a lock of a killed run that refuses the next run at once, and a killed run that cannot be
         continued because it has no checkpoint yet: a run that starts with --restart writes one first."""
         run = self.run_of(options)
-        child = run.start("--quiet", "--restart", *ENDLESS)
+        child = self.start(run, "--quiet", "--restart", *ENDLESS)
         await_file(run.path("_chk_0001.h5"), child)
         os.kill(child.pid, signal.SIGKILL)
         # not waited for: the ended process is still listed
@@ -97,7 +111,7 @@ class TestLock:
     def test_reused_number(self, options):
         """Would catch a lock that is kept because another process has the number of the killed one."""
         run = self.run_of(options)
-        child = run.start("--quiet", *ENDLESS)
+        child = self.start(run, "--quiet", *ENDLESS)
         await_file(run.path(".lock"), child)
         line = run.path(".lock").read_text(encoding="utf-8").split()
         child.kill()
@@ -113,7 +127,7 @@ class TestLock:
         run = self.run_of(options)
         lock = run.path(".lock")
         lock.write_text(OTHER.format(beat=1700000000), encoding="utf-8")
-        child = run.start("--restart")
+        child = self.start(run, "--restart")
         time.sleep(1.5)
         assert child.poll() is None
         lock.write_text(OTHER.format(beat=1700000010), encoding="utf-8")
@@ -139,7 +153,7 @@ class TestLock:
     def test_lost_lock(self, options):
         """Would catch a run that goes on writing although another host has taken over its files."""
         run = self.run_of(options)
-        child = run.start("--quiet", *ENDLESS)
+        child = self.start(run, "--quiet", *ENDLESS)
         await_file(run.path("_p_000000.hdf"), child)
         run.path(".lock").write_text(OTHER.format(beat=int(time.time())), encoding="utf-8")
         output, _ = child.communicate(timeout=60)
