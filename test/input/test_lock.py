@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# tiers: smoke, full
 """One run of a case in a folder at a time.
 
 Would catch: a second run that replaces, continues or removes the files of a run that is still computing; a lock that
@@ -64,7 +63,7 @@ class TestLock:
         run.guarded = True
         return run
 
-    @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.tiers("full"))])
+    @pytest.mark.parametrize("ranks", [1, 2])
     def test_two_at_the_same_time(self, options, ranks):
         """Would catch a second run that starts beside the first one, in each of the three ways, also in another process
         of several ranks; and a lock that the second one removes."""
@@ -137,7 +136,6 @@ class TestLock:
         assert "waiting until it is clear whether process 17 on host 'node7'" in output
         assert lock.read_text(encoding="utf-8") == OTHER.format(beat=1700000010)
 
-    @pytest.mark.tiers("full")
     def test_other_host_that_has_ended(self, options):
         """Would catch a lock of another host that is taken over before it was watched for three signs of life, or
         never."""
@@ -149,7 +147,6 @@ class TestLock:
         assert "the lock of an earlier run, process 17 on host 'node7'" in run.output
         assert not run.path(".lock").exists()
 
-    @pytest.mark.tiers("full")
     def test_lost_lock(self, options):
         """Would catch a run that goes on writing although another host has taken over its files."""
         run = self.run_of(options)
