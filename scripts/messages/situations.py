@@ -418,8 +418,8 @@ SITUATIONS = {
         "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"],
         "see": ["output.md"]},
     "F103": {
-        "files": {"scene.nml": BAR}, "text": "On a disk that is full:",
-        "commands": [(RUN, f"PMIX_MCA_gds=hash OMPI_MCA_btl=self sh -c 'ulimit -f 8; {RUN}'")],
+        "files": {"scene.nml": BAR}, "text": "With a limit on the size of files that is too small:",
+        "commands": [(f"ulimit -f 8; {RUN}", f"PMIX_MCA_gds=hash OMPI_MCA_btl=self sh -c 'ulimit -f 8; {RUN}'")],
         "then": [AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F104": {
         "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --set checkpoint.at_end=F"],
