@@ -94,8 +94,8 @@ def test_texts_that_are_no_names(tmp_path: Path) -> None:
         with pytest.raises(scree.DeckError):
             simulate(tmp_path / "x", **options)
         with pytest.raises((scree.DeckError, ValueError)):
-            scree.run(DECK, options.get("set"), case=options.get("case"), outdir=tmp_path / "x", progress=False)
-    assert not [path for path in (tmp_path / "x").iterdir() if path.name != "deck.nml"]
+            scree.run(DECK, options.get("set"), case=options.get("case"), outdir=tmp_path / "y", progress=False)
+    assert {path.name for path in tmp_path.rglob("*")} == {"x", "y", "deck.nml"}
 
 
 def test_many_in_a_row(tmp_path: Path) -> None:
