@@ -115,13 +115,13 @@ contains
       end associate
    end function options_text
 
-   !> Memory to request for each thread [MB]: twice that of the fields of the first state, since
-   !! material spreads over more tiles and loads differ, and what MPI, HDF5 and the program use
-   !! without particles.
+   !> Memory to request for each thread [MB]: four times that of the fields of the first state, as
+   !! debris that spreads over more tiles needs up to three times as much and loads differ, and what
+   !! MPI, HDF5 and the program use without particles.
    integer(int64) function megabytes_of_thread(setup, job) result(megabytes)
       class(run_setup_t), intent(in) :: setup        !! Without particles
       type(job_t), intent(in) :: job                 !! Ranks and threads
-      real(wp), parameter :: margin = 2.0_wp, fixed = 256.0_wp, megabyte = 1.0e6_wp
+      real(wp), parameter :: margin = 4.0_wp, fixed = 256.0_wp, megabyte = 1.0e6_wp
 
       megabytes = ceiling((margin*memory_bytes(setup%simulation, setup%survey)/megabyte &
          /real(job%ranks, wp) + fixed)/real(job%threads, wp), int64)

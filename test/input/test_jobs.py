@@ -255,7 +255,7 @@ class TestJobs:
             return int(re.search(r":mem=(\d+)mb", self.script(options, "--job", "pbs", "--threads", "4", *words))[1])
         small, fine = megabytes("--ranks", "1"), megabytes("--ranks", "1", *FINE)
         assert 256 <= small < 300
-        assert fine > small + 2*1.5*100
+        assert fine > small + 4*1.5*100
         assert megabytes("--ranks", "4", *FINE) - 256 < (fine - 256)/4 + 8
         text = self.script(options, "--job", "slurm", "--ranks", "1", "--threads", "4", *FINE)
         assert abs(4*int(re.search(r"mem-per-cpu=(\d+)M", text)[1]) - fine) <= 4
