@@ -41,6 +41,7 @@ module io_lock
       character(len=:), allocatable, private :: new_folder !! Folder that was made for it
       character(len=:), allocatable, private :: owner !! Line of this run without the sign of life
       character(len=:), allocatable, private :: seen !! Line of another run, as read before
+      integer(c_int), private :: process = 0         !! The process that has it
       integer(int64), private :: since = 0           !! Time of that, or of the sign of life [s]
    contains
       procedure :: take => lock_take                 !! Try once to get it
@@ -87,6 +88,7 @@ contains
       character(len=*), intent(in) :: path           !! Its file
 
       lock%path = path
+      lock%process = c_getpid()
       lock%since = now()
    end subroutine keep
 
@@ -187,6 +189,8 @@ contains
       integer(c_int) :: ignored
 
       if (.not. allocated(self%path)) return
+      ! a copy of the process, made by the host program, does not end the run
+      if (self%process /= c_getpid()) return
       call read_line(self%path, line)
       if (index(line, self%owner) == 1) call remove_file(self%path)
       deallocate (self%path)

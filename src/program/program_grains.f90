@@ -18,7 +18,7 @@ module program_grains
    use grains_measures, only: energy_t, find_energy
    use grains_output, only: grains_output_t
    use grains_path, only: check_lengths, path_t, read_stages
-   use io_file, only: make_folder, write_file
+   use io_file, only: make_folder, remove_file, write_file
    use io_state, only: state_t
    use io_summary, only: json_t
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
@@ -173,6 +173,7 @@ contains
          call agree(communicator, error)
          if (allocated(error)) return
          stem = output%folder//"/"//output%case
+         if (communicator%rank == 0) call remove_file(stem//".log")
          call log%open(communicator%rank, stem//".log", quiet=setup%command%output%quiet, &
             error=error)
          call agree(communicator, error)

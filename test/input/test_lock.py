@@ -179,7 +179,7 @@ class TestLock:
         run = self.run_of(options)
         victim = run.folder / "victim"
         victim.write_text("mine", encoding="utf-8")
-        for name in ("c.echo.nml.part", "c_p_000000.hdf.part", "c_chk_0001.h5.part", "c.summary.json.part"):
+        for name in ("c.log", "c.echo.nml.part", "c_p_000000.hdf.part", "c_chk_0001.h5.part", "c.summary.json.part"):
             (run.folder / name).symlink_to(victim)
         run.run("--quiet")
         assert victim.read_text(encoding="utf-8") == "mine"
