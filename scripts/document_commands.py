@@ -22,9 +22,9 @@ BASH = ROOT / "scripts/completion/scree.bash"
 ZSH = ROOT / "scripts/completion/_scree"
 PAGE = ROOT / "doc/reference/command_line.md"
 POST = ROOT / "python/src/scree_post/commands"
-OPTION = re.compile(r"(?:-(\w), )?--([a-z][a-z-]*)((?: \[?[A-Z][\w.=:]*\]?)*)")
+OPTION = re.compile(r"(?:-(\w), )?--([a-z][a-z-]*)((?: \[?[A-Z][\w.=:-]*\]?)*)")
 #: What the program completes by itself, and words that it knows; all other values are files or free text.
-WORDS = {"ranks": "", "threads": "", "time": "", "case": ""}
+WORDS = {"nodes": "", "ranks": "", "threads": "", "time": "", "case": ""}
 FOLDERS = ("outdir",)
 
 BASH_TEXT = """# Completion of scree for bash, written by scripts/document_commands.py; do not edit it.

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -243,3 +244,11 @@ def test_script_of_paraview(cube: scree.Run, run: scree.Run, tmp_path: Path, mon
         assert names - stored <= imported | {"sys", "str", "len", "print", "zip"}, "a name that is nowhere defined"
     with pytest.raises(scree.ScreeError, match=r"write a \.py"):
         command.main(["paraview", str(cube.folder), "--out", str(tmp_path / "view.txt")])
+    # text of the user that would end the docstring or a string of the script
+    folder = tmp_path / 'a"""; bad = 1; """\'\\'
+    shutil.copytree(cube.folder, folder)
+    out = folder / 'b"""; bad = 1; """.py'
+    assert command.main(["paraview", str(folder), "--out", str(out)]) == 0
+    tree = ast.parse(out.read_text(encoding="utf-8"))
+    assert not [node for node in ast.walk(tree) if isinstance(node, ast.Name) and node.id == "bad"]
+    assert repr(str(folder))[1:-1] in out.read_text(encoding="utf-8")

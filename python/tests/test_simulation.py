@@ -74,6 +74,30 @@ def test_two_at_the_same_time(run: scree.Run, tmp_path: Path) -> None:
     assert two.finish().summary["digest"] == fine.summary["digest"] != run.summary["digest"]
 
 
+def test_one_run_of_a_case_in_a_folder(tmp_path: Path) -> None:
+    """Would catch two simulations that write the same files, and a lock that remains after the first one was closed."""
+    first = simulate(tmp_path)
+    for options in ({"overwrite": True}, {"restart": True}):
+        with pytest.raises(scree.FileProblem, match=f"is in use by process {os.getpid()} on host"):
+            simulate(tmp_path, **options)
+    first.step()
+    first.close()
+    again = simulate(tmp_path, overwrite=True)
+    again.finish()
+    assert not list(tmp_path.glob("*.lock"))
+
+
+def test_texts_that_are_no_names(tmp_path: Path) -> None:
+    """Would catch a text of the caller that ends a line of a log, a script or a table."""
+    for options in ({"case": "a\nb"}, {"case": "a b"}, {"case": "../a"}, {"case": "a\0b"},
+                    {"set": {"run.title": "a\tb"}}, {"set": {"material.name": "a/b"}}):
+        with pytest.raises(scree.DeckError):
+            simulate(tmp_path / "x", **options)
+        with pytest.raises((scree.DeckError, ValueError)):
+            scree.run(DECK, options.get("set"), case=options.get("case"), outdir=tmp_path / "y", progress=False)
+    assert {path.name for path in tmp_path.rglob("*")} == {"x", "y", "deck.nml"}
+
+
 def test_many_in_a_row(tmp_path: Path) -> None:
     """Would catch files, communicators and HDF5 objects that a simulation does not release: afterwards there are as
     many open files and objects as before, and one more simulation can create its communicator."""

@@ -290,7 +290,16 @@ SITUATIONS = {
     "C206": {"files": {"scene.nml": BAR}, "commands": ["scree --ranks 4 scene.nml"],
                   "then": ["scree --job slurm --ranks 4 scene.nml > job.sh"],
                   "see": ["../guide/running.md#ranks-and-threads"]},
+    "C207": {"files": {"scene.nml": BAR}, "commands": ["scree --job slurm --nodes 2 --ranks 5 scene.nml"],
+             "then": ["scree --job slurm --nodes 2 --ranks 6 scene.nml > job.sh"],
+             "see": ["../guide/clusters.md#job-scripts"]},
     # runs that end early
+    "R137": {
+        "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --set \"time.wall_limit='00:00:00'\""],
+        "text": "In a batch job without time to compute:",
+        "commands": [("scree -q --restart scene.nml --set \"time.wall_limit='00:00:00'\"",
+                      "SLURM_JOB_ID=12 scree -q --restart scene.nml --set \"time.wall_limit='00:00:00'\"")],
+        "then": [AGAIN], "see": ["../guide/clusters.md#job-scripts"]},
     "R101": {
         "files": {"scene.nml": BAR.replace("1e-4", "1e-4  dt_min = 1e-5")}, "text": "The complete deck:",
         "shows": BAR.replace("1e-4", "1e-4  dt_min = 1e-5"), "commands": [RUN],
@@ -409,14 +418,12 @@ SITUATIONS = {
         "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"],
         "see": ["output.md"]},
     "F103": {
-        "files": {"scene.nml": BAR}, "before": ["mkdir -p out/scene", "ln -s /dev/full out/scene/scene.echo.nml.part"],
-        "text": "On a disk that is full:", "commands": [RUN], "see": ["../guide/running.md#checkpoints-and-restart"]},
+        "files": {"scene.nml": BAR}, "text": "With a limit on the size of files that is too small:",
+        "commands": [(f"ulimit -f 8; {RUN}", f"PMIX_MCA_gds=hash OMPI_MCA_btl=self sh -c 'ulimit -f 8; {RUN}'")],
+        "then": [AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F104": {
-        "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --outdir first",
-                                                "scree -q scene.nml --set checkpoint.at_end=F"],
-        "text": "The run wrote to the folder `first`; the first command misspells it, the second omits it:",
-        "commands": ["scree -q --restart scene.nml --outdir frist", AGAIN],
-        "then": ["scree -q --restart scene.nml --outdir first"],
+        "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --set checkpoint.at_end=F"],
+        "text": "The run wrote no checkpoint:", "commands": [AGAIN], "then": ["scree -q --overwrite scene.nml"],
         "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F105": {
         "files": {"scene.nml": BAR}, "before": [RUN, "cp out/scene/scene_chk_0001.h5 whole.h5",
@@ -456,6 +463,17 @@ SITUATIONS = {
         "commands": [RUN], "then": ["scree -q --restart scene.nml --set time.t_end=2e-4",
                                     "scree -q --overwrite scene.nml"],
                                     "see": ["../guide/running.md#existing-results"]},
+    "F125": {
+        "files": {"scene.nml": BAR}, "text": "The run is started again while it computes:",
+        "commands": [("scree -q scene.nml --set time.t_end=10 & sleep 60; scree -q --overwrite scene.nml",
+                      "scree -q scene.nml --set time.t_end=10 & child=$!; for try in $(seq 600); do "
+                      "test -e out/scene/scene_p_000000.hdf && break; sleep 0.1; done; "
+                      "scree -q --overwrite scene.nml > said 2>&1; code=$?; kill -USR1 $child; wait $child; "
+                      "sed -e \"s/process $child on host '[^']*'/process 4711 on host 'node7'/\" "
+                      "-e 's/started .* ago/started 00:01:00 ago, last sign of life 00:00:05 ago/' said; exit $code")],
+        "then": [("scree -q --restart scene.nml",
+                  "scree -q --restart scene.nml --set time.t_end=10 --set \"time.wall_limit='00:00:00'\"")],
+        "see": ["../guide/running.md#two-runs-in-one-folder"]},
     "F112": {
         "files": {"scene.nml": BAR.replace("'1d' /", "'1d'  method = 'mpm' /")}, "before": [RUN],
         "text": "The first run had the default `transfer`, with which particles do not store a velocity gradient:",

@@ -4,6 +4,7 @@ module base_deck_value
    use base_deck_number, only: check_range, convert_number, expectation, item_t, read_integer
    use base_kinds, only: wp
    use base_namelist, only: token_t
+   use base_names, only: name_problem, text_problem
    use base_place_formula, only: convert_formula
    use base_schema, only: key_t, kind_integer, kind_logical, kind_real, kind_text
    use base_text, only: closest, closest_meaning, join, lower, number, split, text_t
@@ -341,6 +342,10 @@ contains
       text = trim(written)
       if (text == "") problem = "expects a text that is not empty"
       if (len(text) > longest_text) problem = "is longer than "//number(longest_text)//" letters"
+      if (problem == "") problem = text_problem(text)
+      ! these become a part of file names
+      if (problem == "" .and. (key%name == "name" .or. key%name == "case")) &
+         problem = name_problem(text)
       if (problem /= "" .or. size(key%words) == 0) return
       do i = 1, size(key%words)
          if (lower(key%words(i)%text) /= lower(text)) cycle

@@ -24,6 +24,7 @@ module io_file
    integer(c_int32_t), parameter :: folder_mode = int(o"777", c_int32_t)
    integer(c_int), parameter :: exists_mode = 0, write_only = 1, read_only = 0
    integer(c_int), parameter :: append_to = 1024         !! O_APPEND of Linux
+   integer(c_int), parameter :: create_new = 64 + 128    !! O_CREAT and O_EXCL: no link is followed
    integer(c_int), parameter :: not_there = 2            !! ENOENT
    integer(c_int), parameter :: is_folder = 21           !! EISDIR
    integer(c_int), parameter :: no_such_call = 38, not_supported = 95 !! ENOSYS, EOPNOTSUPP
@@ -306,7 +307,9 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written, old one intact
       type(output_file_t) :: part
 
-      call part%create(path//".part", error)
+      ! a link of this name may lead to a file elsewhere, which must not change
+      call remove_file(path//".part")
+      call part%create(path//".part", error, new=.true.)
       if (allocated(error)) return
       call part%write(text, error)
       if (.not. allocated(error)) call part%sync(error)
@@ -340,15 +343,20 @@ contains
       status = c_close(descriptor)
    end subroutine read_file
 
-   !> Create an empty file, which replaces an existing one.
-   subroutine output_create(self, path, error)
+   !> Create an empty file, which replaces the content of an existing one.
+   subroutine output_create(self, path, error, new)
       class(output_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path               !! Path
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
+      logical, intent(in), optional :: new               !! An existing file or link is an error
 
       call self%close()
       self%path = path
-      self%descriptor = c_creat(path//c_null_char, file_mode)
+      if (present(new)) then
+         self%descriptor = c_open(path//c_null_char, write_only + create_new, file_mode)
+      else
+         self%descriptor = c_creat(path//c_null_char, file_mode)
+      end if
       if (self%descriptor < 0) call fail_path(error, "write", path)
    end subroutine output_create
 

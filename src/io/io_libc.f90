@@ -4,13 +4,14 @@
 ! allow(C071, C072): the texts of C have no length of their own
 module io_libc
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int32_t, &
-      c_int64_t, c_null_char, c_ptr, c_size_t
+      c_int64_t, c_long, c_null_char, c_ptr, c_size_t
    implicit none
    private
 
-   public :: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_mkdtemp, &
-      c_open, c_read, c_readlink, c_realpath, c_rename, c_rmdir, c_statfs, c_truncate, c_unlink, &
-      c_write, clear_failure, failure_number, failure_text, folder_entries
+   public :: c_access, c_close, c_creat, c_fallocate, c_fsync, c_getpid, c_kill, c_lseek, c_mkdir, &
+      c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, c_rmdir, c_statfs, c_time, &
+      c_truncate, c_unlink, c_usleep, c_write, clear_failure, failure_number, failure_text, &
+      folder_entries
 
    integer, parameter, public :: longest_name = 255              !! Longest file name
    integer, parameter :: name_offset = 19                !! Bytes before the name in a dirent
@@ -155,6 +156,34 @@ module io_libc
          character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          integer(c_int) :: status
       end function c_rmdir
+
+      function c_getpid() bind(c, name="getpid") result(process)
+         import :: c_int
+         implicit none
+         integer(c_int) :: process                        !! Number of this process
+      end function c_getpid
+
+      function c_kill(process, signal) bind(c, name="kill") result(status)
+         import :: c_int
+         implicit none
+         integer(c_int), value :: process                 !! Number of a process
+         integer(c_int), value :: signal                  !! 0: test for existence
+         integer(c_int) :: status
+      end function c_kill
+
+      function c_time(unused) bind(c, name="time") result(seconds)
+         import :: c_long, c_ptr
+         implicit none
+         type(c_ptr), value :: unused                     !! Null
+         integer(c_long) :: seconds                       !! Since 1970
+      end function c_time
+
+      function c_usleep(microseconds) bind(c, name="usleep") result(status)
+         import :: c_int
+         implicit none
+         integer(c_int), value :: microseconds            !! Below a million
+         integer(c_int) :: status
+      end function c_usleep
 
       function c_mkdtemp(path) bind(c, name="mkdtemp") result(made)
          import :: c_ptr

@@ -85,7 +85,7 @@ contains
       end do
       if (size(paths) == 0) then
          call fail(error, exit_file, "no checkpoint '"//place%case//"_chk_*.h5' in '"// &
-            place%folder//"'")
+            place%folder//"'; --overwrite removes the results and starts again")
       else
          call fail(error, exit_file, "no checkpoint of '"//place%case//"' can be used:"// &
             new_line("a")//notes)

@@ -8,6 +8,7 @@ module io_series
    use base_error, only: error_t
    use io_file, only: join_path, list_folder, longest_name, name_of, write_file
    use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
+   use io_summary, only: json_quoted
    use io_text, only: real_text
    implicit none
    private
@@ -177,8 +178,8 @@ contains
          "  ""files"": ["
       do step = 1, size(steps)
          if (step > 1) text = text//","
-         text = text//new_line("a")//"    {""name"": """//name_of(steps(step)%path)// &
-            """, ""time"": "//real_text(steps(step)%time)//"}"
+         text = text//new_line("a")//"    {""name"": "//json_quoted(name_of(steps(step)%path))// &
+            ", ""time"": "//real_text(steps(step)%time)//"}"
       end do
       text = text//new_line("a")//"  ]"//new_line("a")//"}"//new_line("a")
    end function series_text

@@ -9,7 +9,7 @@ module io_summary
    implicit none
    private
 
-   public :: json_t
+   public :: json_quoted, json_t
 
    !> An object to which members are added. Objects may be nested.
    type :: json_t
@@ -31,7 +31,7 @@ module io_summary
 contains
 
    !> A text in quotes.
-   pure function quoted(text) result(line)
+   pure function json_quoted(text) result(line)
       character(len=*), intent(in) :: text               !! Text
       character(len=:), allocatable :: line
       character(len=*), parameter :: digits = "0123456789abcdef"
@@ -55,7 +55,7 @@ contains
          end select
       end do
       line = line//""""
-   end function quoted
+   end function json_quoted
 
    !> A number, or null if it is not finite.
    function number_text(number) result(text)
@@ -74,7 +74,7 @@ contains
 
       if (.not. allocated(self%body)) self%body = ""
       if (.not. self%first) self%body = self%body//","
-      self%body = self%body//new_line("a")//repeat("  ", self%depth)//quoted(name)//": "//value
+      self%body = self%body//new_line("a")//repeat("  ", self%depth)//json_quoted(name)//": "//value
       self%first = .false.
    end subroutine add_raw
 
@@ -128,7 +128,7 @@ contains
       character(len=*), intent(in) :: name               !! Name of the member
       character(len=*), intent(in) :: value              !! Value
 
-      call self%add_raw(name, quoted(value))
+      call self%add_raw(name, json_quoted(value))
    end subroutine add_text
 
    !> Add a real.
@@ -198,7 +198,7 @@ contains
       line = "["
       do index = 1, size(values)
          if (index > 1) line = line//", "
-         line = line//quoted(trim(values(index)))
+         line = line//json_quoted(trim(values(index)))
       end do
       call self%add_raw(name, line//"]")
    end subroutine add_texts

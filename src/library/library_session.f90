@@ -59,6 +59,8 @@ contains
       if (.not. allocated(error)) call join_ranks(self, given, communicator, error)
       if (.not. allocated(error)) then
          call share_cores()
+         ! rank 0 reads the deck; the others need not know where it is
+         call self%simulation%machine%communicator%broadcast(self%command%deck)
          call read_setup(self, error)
       end if
       if (.not. allocated(error)) call build_setup(self, error)
@@ -70,6 +72,7 @@ contains
          call begin_run(self, error)
          self%running = .not. allocated(error)
       end if
+      if (.not. self%running) call self%lock%release()
       self%threads = omp_get_max_threads()
       call omp_set_num_threads(host)
       if (allocated(self%failure)) then
@@ -201,6 +204,7 @@ contains
       type(error_t), allocatable :: ignored
 
       if (self%running) call self%outputs%close(self%simulation%machine%communicator, ignored)
+      call self%lock%release()
       call self%log%close()
       self%running = .false.
       if (self%copied) call self%simulation%machine%communicator%release()

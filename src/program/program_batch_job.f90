@@ -6,8 +6,8 @@ module program_batch_job
    use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_again, exit_input, fail
    use base_kinds, only: int64, wp
-   use base_text, only: number
-   use io_file, only: join_path, program_path
+   use base_text, only: line_end, number
+   use io_file, only: program_path
    use program_command_line, only: program_arguments
    use program_cost_report, only: memory_bytes
    use program_job_templates, only: job_template
@@ -26,15 +26,14 @@ module program_batch_job
 
    !> Content of a job script.
    type :: job_t
-      integer :: ranks = 1                           !! Ranks
+      integer :: nodes = 0                           !! Nodes, 0 = chosen by the scheduler
+      integer :: ranks = 1                           !! Ranks on all nodes
       integer :: threads = 1                         !! Threads of each
       integer :: seconds = 0                         !! Wall time [s]
       integer :: notice = usual_notice               !! To write the last checkpoint [s]
       character(len=:), allocatable :: time          !! The wall time as a text
       character(len=:), allocatable :: case          !! Prefix of all files
       character(len=:), allocatable :: command       !! The program with its options
-      character(len=:), allocatable :: checkpoints   !! Pattern of the checkpoint files
-      character(len=:), allocatable :: summary !! Summary, which exists after the end of the run
       integer(int64) :: megabytes = 0                !! Memory for each thread [MB]
       character(len=:), allocatable :: size          !! Comment on the size of the run
       character(len=:), allocatable :: limit         !! Comment on the wall time
@@ -73,6 +72,9 @@ contains
       tiles = int(max(setup%survey%tiles, 1_int64))
       job%ranks = min(max(ceiling(real(setup%survey%particles, wp)/particles_of_rank), 1), tiles)
       if (setup%command%job%ranks > 0) job%ranks = setup%command%job%ranks
+      job%nodes = setup%command%job%nodes
+      ! without --ranks the number becomes a multiple of the nodes
+      if (job%nodes > 0) job%ranks = job%nodes*((job%ranks + job%nodes - 1)/job%nodes)
       job%threads = max(min(usual_threads, tiles/job%ranks), 1)
       if (setup%command%job%threads > 0) job%threads = setup%command%job%threads
       job%time = usual_time
@@ -80,9 +82,10 @@ contains
       job%seconds = clock_seconds(job%time)
       job%notice = min(usual_notice, max(least_notice, job%seconds/10))
       job%case = setup%place%case
-      job%checkpoints = quoted(join_path(setup%place%folder, job%case//"_chk_")//"*.h5")
-      job%summary = quoted(join_path(setup%place%folder, job%case//".summary.json"))
-      job%command = quoted(program_path())//options_text(setup)//" "//quoted(deck)
+      job%command = quoted(program_path())//options_text(setup)//" "
+      ! a word that begins with a dash would be an option
+      if (index(deck, "-") == 1) job%command = job%command//"./"
+      job%command = job%command//quoted(deck)//" --restart"
       job%megabytes = megabytes_of_thread(setup, job)
       job%size = "# "//number(setup%survey%particles)//" particles in "// &
          number(setup%survey%tiles)//" tiles; about a million particles a rank are efficient."
@@ -112,13 +115,13 @@ contains
       end associate
    end function options_text
 
-   !> Memory to request for each thread [MB]: twice that of the fields of the first state, since
-   !! material spreads over more tiles and loads differ, and what MPI, HDF5 and the program use
-   !! without particles.
+   !> Memory to request for each thread [MB]: four times that of the fields of the first state, as
+   !! debris that spreads over more tiles needs up to three times as much and loads differ, and what
+   !! MPI, HDF5 and the program use without particles.
    integer(int64) function megabytes_of_thread(setup, job) result(megabytes)
       class(run_setup_t), intent(in) :: setup        !! Without particles
       type(job_t), intent(in) :: job                 !! Ranks and threads
-      real(wp), parameter :: margin = 2.0_wp, fixed = 256.0_wp, megabyte = 1.0e6_wp
+      real(wp), parameter :: margin = 4.0_wp, fixed = 256.0_wp, megabyte = 1.0e6_wp
 
       megabytes = ceiling((margin*memory_bytes(setup%simulation, setup%survey)/megabyte &
          /real(job%ranks, wp) + fixed)/real(job%threads, wp), int64)
@@ -142,7 +145,7 @@ contains
    end function limit_text
 
    !> Replace the names in double braces of a template by values. A line with only an empty value is
-   !! left out.
+   !! left out, and so is a line with a name node_* if no number of nodes is given.
    function filled_text(template, job) result(text)
       character(len=*), intent(in) :: template       !! Template of a scheduler
       type(job_t), intent(in) :: job                 !! Values
@@ -160,7 +163,14 @@ contains
          at_begin = text(len(text):) == newline
          begin = begin + last + 1
          last = index(template(begin:), "}}")
-         value = value_text(template(begin:begin + last - 2), job)
+         associate (name => template(begin:begin + last - 2))
+            if (index(name, "node_") == 1 .and. job%nodes == 0) then
+               text = text(:index(text, newline, back=.true.))
+               begin = line_end(template, begin) + 2
+               cycle
+            end if
+            value = value_text(name, job)
+         end associate
          text = text//value
          begin = begin + last + 1
          if (value == "" .and. at_begin .and. template(begin:begin) == newline) begin = begin + 1
@@ -181,6 +191,18 @@ contains
          text = number(job%ranks)
       case ("threads")
          text = number(job%threads)
+      case ("node_count")
+         text = number(job%nodes)
+      case ("node_ranks", "chunk_ranks")
+         text = number(job%ranks/chunks_of(job))
+      case ("node_each")
+         text = ""
+      case ("chunks")
+         text = number(chunks_of(job))
+      case ("chunk_cores")
+         text = number(job%threads*(job%ranks/chunks_of(job)))
+      case ("chunk_mb")
+         text = number(job%megabytes*job%threads*(job%ranks/chunks_of(job)))
       case ("rank_megabytes")
          text = number(job%megabytes*job%threads)
       case ("thread_megabytes")
@@ -196,8 +218,6 @@ contains
       case ("environment")
          ! some file systems have no locks, which HDF5 would use
          text = "export OMP_PLACES=cores OMP_PROC_BIND=close HDF5_USE_FILE_LOCKING=FALSE"
-      case ("restart")
-         text = restart_text(job)
       case ("command")
          text = job%command
       case ("srun_mpi")
@@ -221,6 +241,8 @@ contains
       select case (name)
       case ("time")
          text = job%time
+      case ("clock_time")
+         text = clock_text(job%seconds)
       case ("seconds")
          text = number(job%seconds)
       case ("minutes")
@@ -240,17 +262,12 @@ contains
       end select
    end function time_text
 
-   !> Restart if there is a checkpoint. A run that was killed before its first checkpoint has no
-   !! summary and starts again.
-   pure function restart_text(job) result(text)
+   !> Parts of a job with equal numbers of ranks: nodes, or else ranks.
+   pure integer function chunks_of(job) result(chunks)
       type(job_t), intent(in) :: job
-      character(len=:), allocatable :: text
 
-      text = "restart=()"//newline// &
-         "if compgen -G "//job%checkpoints//" > /dev/null; then restart=(--restart)"//newline// &
-         "elif [ ! -e "//job%summary//" ]; then restart=(--overwrite); fi"//newline// &
-         "code=0"
-   end function restart_text
+      chunks = merge(job%nodes, job%ranks, job%nodes > 0)
+   end function chunks_of
 
    !> The command that continues a run that was stopped with a checkpoint: the command line, with
    !! --restart in place of one that may name an older file.

@@ -2,6 +2,7 @@
 !> What the command line requests, and the checks of combinations of options.
 module program_command
    use base_error, only: error_t, exit_input, fail
+   use base_kinds, only: int64
    use base_text, only: append, closest, text_t
    implicit none
    private
@@ -34,7 +35,8 @@ module program_command
       character(len=:), allocatable :: scheduler         !! One of `schedulers`
       integer :: ranks = 0                               !! 0 = chosen by the program
       integer :: threads = 0 !! Number of threads of each rank, 0 = chosen by the program
-      character(len=:), allocatable :: time              !! Wall time, hours:minutes:seconds
+      integer :: nodes = 0                               !! 0 = chosen by the scheduler
+      character(len=:), allocatable :: time              !! Wall time, see base_clock
    end type job_options_t
 
    !> An example to copy.
@@ -60,6 +62,7 @@ module program_command
       type(job_options_t) :: job                         !! Job script
       type(example_request_t) :: example                 !! Example to copy
       type(information_request_t) :: information         !! Text to print
+      integer(int64) :: hash = 0                         !! Hash of all words but the deck
    end type command_t
 
    character(len=9), parameter :: lists(6) = [character(len=9) :: "materials", "fields", &
@@ -157,12 +160,18 @@ contains
             "--ranks needs --job; a run uses the ranks of mpirun")
          if (command%job%threads > 0) call command_line_error(error, &
             "--threads needs --job; a run uses OMP_NUM_THREADS")
+         if (command%job%nodes > 0) call command_line_error(error, &
+            "--nodes needs --job; a run uses the nodes of mpirun")
          if (allocated(command%job%time)) call command_line_error(error, &
             "--time needs --job; a run uses wall_limit of &time")
-      else if (command%check .or. command%point .or. command%restart) then
+      else if (command%check .or. command%point .or. command%restart .or. &
+         command%output%overwrite) then
          call command_line_error(error, &
-            "--job excludes --check, --point and --restart; the script "// &
-            "continues from checkpoints by itself")
+            "--job excludes --check, --point, --restart and --overwrite; the script "// &
+            "starts a run or continues it and never removes results")
+      else if (command%job%nodes > 0 .and. command%job%ranks > 0) then
+         if (mod(command%job%ranks, command%job%nodes) > 0) call command_line_error(error, &
+            "--ranks must be a multiple of --nodes, so that each node has as many ranks")
       end if
    end subroutine check_job
 

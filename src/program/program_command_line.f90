@@ -4,7 +4,9 @@ module program_command_line
    use base_clock, only: clock_seconds, is_clock
    use base_deck_override, only: removal_mark
    use base_error, only: error_t
-   use base_text, only: append, closest, text_t
+   use base_hash, only: add_hash, hash_text, mix
+   use base_names, only: text_problem
+   use base_text, only: append, closest, number, text_t
    use program_command, only: check_command, command_line_error, command_t
    use program_job_templates, only: scheduler_list, schedulers
    implicit none
@@ -20,7 +22,7 @@ module program_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(26) = [ &
+   type(option_t), parameter :: options(27) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -30,6 +32,7 @@ module program_command_line
       option_t("list    ", " ", a_value), option_t("point   ", " ", nothing), &
       option_t("force   ", " ", nothing), option_t("new     ", " ", a_value), &
       option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
+      option_t("nodes   ", " ", a_value), &
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
       option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
       option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value), &
@@ -81,8 +84,32 @@ contains
          end associate
          if (allocated(error)) return
       end do
-      call check_command(command, error)
+      call check_arguments(arguments, command, error)
+      if (.not. allocated(error)) call check_command(command, error)
    end subroutine parse_command_line
+
+   !> Refuse control characters, which could end a line of a job script or of a log, and find the
+   !! hash of the arguments. The argument of --explain may be a message of several lines.
+   subroutine check_arguments(arguments, command, error)
+      type(text_t), intent(in) :: arguments(:)           !! All arguments
+      type(command_t), intent(inout) :: command          !! Gets the hash
+      type(error_t), allocatable, intent(out) :: error   !! An argument has such a character
+      integer :: n
+
+      if (allocated(command%information%explain)) return
+      do n = 1, size(arguments)
+         if (text_problem(arguments(n)%text) == "") cycle
+         call command_line_error(error, "argument "//number(n)//" "// &
+            text_problem(arguments(n)%text))
+         return
+      end do
+      do n = 1, size(arguments)
+         if (allocated(command%deck)) then
+            if (arguments(n)%text == command%deck) cycle
+         end if
+         command%hash = mix(add_hash(command%hash, hash_text(arguments(n)%text)))
+      end do
+   end subroutine check_arguments
 
    !> Use the argument that is not an option as the deck.
    subroutine set_deck(argument, command, error)
@@ -296,6 +323,8 @@ contains
       select case (option%name)
       case ("ranks")
          call read_count(option, value, command%job%ranks, error)
+      case ("nodes")
+         call read_count(option, value, command%job%nodes, error)
       case ("threads")
          call read_count(option, value, command%job%threads, error)
       case ("time")
@@ -303,7 +332,7 @@ contains
          right = is_clock(value)
          if (right) right = clock_seconds(value) > 0
          if (.not. right) call command_line_error(error, "--time = '"//value// &
-            "' must be hours, minutes and seconds such as 04:00:00")
+            "' must be hours, minutes and seconds such as 04:00:00, or with days 2-00:00:00")
       case default
          command%job%scheduler = value
          if (all(schedulers /= value)) call command_line_error(error, &

@@ -6,6 +6,7 @@ module program_examples
    use base_version, only: share_folder
    use io_file, only: file_exists, folder_of, join_path, list_folder, longest_name, make_folder, &
       program_path, read_file, write_file
+   use program_batch_job, only: quoted
    implicit none
    private
 
@@ -226,10 +227,10 @@ contains
       character(len=:), allocatable :: program
 
       program = "scree"
-      if (started_by_path()) program = program_path()
+      if (started_by_path()) program = quoted(program_path())
       text = "made "//copied%folder//": "//join(copied%files, " ")//newline// &
          "next:"//newline// &
-         "  cd "//copied%folder//newline
+         "  cd "//quoted(copied%folder)//newline
       if (copied%has_grains) then
          program = "  "//program//" --grains "
          text = text//program//"--check "//copied%deck//newline//program//copied%deck//newline// &

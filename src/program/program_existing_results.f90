@@ -1,29 +1,78 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Protects the results of a previous run in the same folder: a new run is refused, continues it, or
-!! removes it, depending on the command line.
+!> Protects the results of another run in the same folder: while it runs, a new run is refused. When
+!! it has ended, a new run is refused, continues it, or removes it, depending on the command line.
 module program_existing_results
    use base_agreement, only: agree
    use base_error, only: error_t, exit_file, fail
+   use base_log, only: log_t
+   use io_libc, only: c_usleep
+   use io_lock, only: lock_refused, lock_unclear
+   use, intrinsic :: iso_c_binding, only: c_int
    use output_former_run, only: find_former_run, former_run_t, is_own_checkpoint, remove_former_run
    use program_run_setup, only: run_setup_t
    implicit none
    private
 
-   public :: existing_results_text, protect_results
+   public :: existing_results_text, lock_case, protect_results
+
+   !> Note of a run that --restart starts from the first step
+   character(len=*), parameter, public :: nothing_to_restart = &
+      "there are no results of this case to continue, so --restart starts it at step 0"
 
 contains
 
-   !> Refuse a run that would overwrite results, unless --overwrite removes them. Collective.
-   subroutine protect_results(setup, error)
-      class(run_setup_t), intent(in) :: setup        !! Complete, without particles
+   !> Make this run the only one that writes files of its case. A run on another host is waited for
+   !! until it gives a sign of life, or has given none for so long that it must have ended.
+   !! Collective.
+   subroutine lock_case(setup, log, error)
+      class(run_setup_t), intent(inout) :: setup     !! With the names of the outputs; gets the lock
+      type(log_t), intent(inout) :: log              !! Gets what was found
+      type(error_t), allocatable, intent(out) :: error !! Another run writes them
+      integer(c_int), parameter :: pause = 200000    ! microseconds
+      integer(c_int) :: ignored
+      integer :: verdict
+      logical :: waits
+
+      associate (communicator => setup%simulation%machine%communicator, lock => setup%lock, &
+         outputs => setup%outputs)
+         waits = .false.
+         do while (communicator%rank == 0)
+            call lock%take(outputs%folder, outputs%case, verdict, error)
+            if (allocated(error) .or. verdict /= lock_unclear) exit
+            if (.not. waits) call log%info("waiting until it is clear whether "//lock%message// &
+               ", still runs: a lock of another host without a sign of life for 10 minutes is "// &
+               "taken over")
+            waits = .true.
+            ignored = c_usleep(pause)
+         end do
+         if (communicator%rank == 0 .and. .not. allocated(error)) then
+            if (verdict == lock_refused) then
+               call fail(error, exit_file, "case '"//outputs%case//"' in '"//outputs%folder// &
+                  "' is in use by "//lock%message//": wait for its end or stop it; or give "// &
+                  "another --outdir or --case")
+            else if (allocated(lock%message)) then
+               call log%info(lock%message)
+            end if
+         end if
+         call agree(communicator, error)
+      end associate
+   end subroutine lock_case
+
+   !> Refuse a run that would overwrite results, unless --overwrite removes them. Without any
+   !! results a restart from the newest checkpoint becomes a run from the first step. Collective.
+   subroutine protect_results(setup, fresh, error)
+      class(run_setup_t), intent(inout) :: setup     !! Complete, without particles
+      logical, intent(out) :: fresh                  !! Is it a restart without results?
       type(error_t), allocatable, intent(out) :: error !! Results exist or cannot be removed
       type(former_run_t) :: former
 
+      fresh = .false.
       associate (communicator => setup%simulation%machine%communicator, command => setup%command, &
          outputs => setup%outputs)
          if (communicator%rank == 0) then
             call find_former_run(outputs%folder, outputs%case, outputs%header%echo, former)
             if (command%restart) then
+               fresh = .not. (former%results .or. allocated(command%checkpoint))
                if (former%results .and. allocated(command%checkpoint)) then
                   if (.not. is_own_checkpoint(outputs%folder, outputs%case, &
                      command%checkpoint)) call fail(error, exit_file, location_text(setup)// &
@@ -37,6 +86,8 @@ contains
             end if
          end if
          call agree(communicator, error)
+         fresh = communicator%any(fresh)
+         if (fresh) command%restart = .false.
       end associate
    end subroutine protect_results
 

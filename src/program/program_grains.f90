@@ -18,11 +18,11 @@ module program_grains
    use grains_measures, only: energy_t, find_energy
    use grains_output, only: grains_output_t
    use grains_path, only: check_lengths, path_t, read_stages
-   use io_file, only: make_folder, write_file
+   use io_file, only: make_folder, remove_file, write_file
    use io_state, only: state_t
    use io_summary, only: json_t
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use program_existing_results, only: protect_results
+   use program_existing_results, only: lock_case, nothing_to_restart, protect_results
    use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
    use program_information, only: version_line
    use program_memory, only: check_memory
@@ -49,6 +49,7 @@ contains
       type(grains_run_t) :: run
       real(wp) :: begin
       integer :: most_threads
+      logical :: fresh
 
       code = exit_success
       begin = wall_seconds()
@@ -81,17 +82,20 @@ contains
          call log%info(cost_text(run))
          return
       end if
-      call protect_results(setup, error)
+      call lock_case(setup, log, error)
+      if (allocated(error)) return
+      call protect_results(setup, fresh, error)
       if (allocated(error)) return
       if (setup%command%restart) then
          call restart_cell(setup, run, error)
       else
          call start_run(run)
+         if (fresh) run%note = nothing_to_restart
       end if
       if (allocated(error)) return
       call open_grains_log(setup, run, log, error)
       if (allocated(error)) return
-      call follow_path(run, log, code, error)
+      call follow_path(run, log, setup%lock, code, error)
       call finish_run(run, log, wall_seconds() - begin, code, error)
    end subroutine run_grains
 
@@ -177,6 +181,7 @@ contains
          call agree(communicator, error)
          if (allocated(error)) return
          stem = output%folder//"/"//output%case
+         if (communicator%rank == 0) call remove_file(stem//".log")
          call log%open(communicator%rank, stem//".log", quiet=setup%command%output%quiet, &
             error=error)
          call agree(communicator, error)

@@ -16,6 +16,7 @@ module program_grains_loop
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_checkpoint, only: checkpoint_place_t, checkpoint_write
    use io_deck_changes, only: changes_t
+   use io_lock, only: lock_t
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
    use particle_store, only: store_t
@@ -134,9 +135,10 @@ contains
    end subroutine restart_cell
 
    !> Go through the stages. Collective.
-   subroutine follow_path(run, log, code, error)
+   subroutine follow_path(run, log, lock, code, error)
       type(grains_run_t), intent(inout) :: run
       type(log_t), intent(inout) :: log
+      type(lock_t), intent(inout) :: lock            !! Gives signs of life
       integer, intent(out) :: code                   !! Exit code
       type(error_t), allocatable, intent(out) :: error
       integer :: n
@@ -151,7 +153,7 @@ contains
       if (run%cell%step == 0 .and. .not. allocated(error)) call run%output%row(run%cell, &
          run%path%now, error)
       do while (.not. allocated(error) .and. run%path%now <= size(run%path%stages))
-         call follow_stage(run, log, code, error)
+         call follow_stage(run, log, lock, code, error)
          if (code /= exit_success .or. allocated(error)) exit
       end do
       if (allocated(error)) then
@@ -166,9 +168,10 @@ contains
    end subroutine follow_path
 
    !> Run the rest of the current stage and start the next one. Collective.
-   subroutine follow_stage(run, log, code, error)
+   subroutine follow_stage(run, log, lock, code, error)
       type(grains_run_t), intent(inout) :: run
       type(log_t), intent(inout) :: log
+      type(lock_t), intent(inout) :: lock            !! Gives signs of life
       integer, intent(out) :: code
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: begin
@@ -185,7 +188,10 @@ contains
             if (allocated(error)) return
             if (path%is_snapshot(cell%step, cell%dt)) call output%snapshot(cell, error)
             if (allocated(error)) return
-            if (mod(cell%step, int(check_steps, int64)) == 0) call check_run(run, log, code, error)
+            if (mod(cell%step, int(check_steps, int64)) == 0) then
+               call lock%beat()
+               call check_run(run, log, code, error)
+            end if
             if (allocated(error) .or. code /= exit_success) return
          end do
          if (cell%mean%time > 0.0_wp) call output%row(cell, path%now, error)

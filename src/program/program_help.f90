@@ -41,7 +41,9 @@ contains
          newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for "//scheduler_list("or")//", with"// &
-         newline//"                         --ranks N, --threads N and --time HH:MM:SS"//newline// &
+         newline// &
+         "                         --nodes N, --ranks N, --threads N, --time D-HH:MM:SS"// &
+         newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
          "      --self-test        run small scenes and compare their digests"//newline// &
          "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline

@@ -5,8 +5,9 @@ module program_job_time
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: int64, wp
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_long, c_null_char, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, &
       c_null_ptr, c_ptr
+   use io_libc, only: c_time
    implicit none
    private
 
@@ -17,14 +18,6 @@ module program_job_time
    real(wp), parameter :: no_job = huge(1.0_wp)      !! Seconds of a run outside of a job
 
    interface
-      !> Seconds since 1970.
-      function c_time(unused) bind(c, name="time") result(seconds)
-         import :: c_long, c_ptr
-         implicit none
-         type(c_ptr), value :: unused                !! Null
-         integer(c_long) :: seconds
-      end function c_time
-
       !> Start a command and return its output as a stream.
       function c_popen(command, mode) bind(c, name="popen") result(stream)
          import :: c_char, c_ptr

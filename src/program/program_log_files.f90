@@ -7,7 +7,7 @@ module program_log_files
    use base_error, only: error_t
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_text, only: number
-   use io_file, only: make_folder, write_file
+   use io_file, only: make_folder, remove_file, write_file
    use omp_lib, only: omp_get_max_threads
    use program_cost_report, only: cost_report
    use program_file_hints, only: set_file_hints
@@ -38,6 +38,8 @@ contains
          if (allocated(error)) return
          call set_file_hints(setup, outputs%folder, hints)
          stem = outputs%folder//"/"//outputs%case
+         ! a link of this name may lead to a file elsewhere, which must not change
+         if (communicator%rank == 0) call remove_file(stem//".log")
          call log%open(communicator%rank, stem//".log", log_level(setup%deck, &
             setup%command%output%verbose), setup%command%output%quiet, error)
          call agree(communicator, error)

@@ -62,6 +62,7 @@ contains
          if (session%simulation%machine%communicator%rank == 0) call &
             session%log%error(error%message)
       end if
+      call session%lock%release()
       call session%log%close()
       call session%simulation%machine%communicator%finish()
       if (allocated(session%preview_folder) .and. session%simulation%machine%communicator%rank == &

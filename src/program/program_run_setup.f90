@@ -4,13 +4,16 @@
 module program_run_setup
    use base_agreement, only: agree
    use base_deck, only: deck_t
-   use base_error, only: error_t
-   use base_kinds, only: wp
+   use base_error, only: error_t, exit_input, fail
+   use base_hash, only: add_hash, hash_text
+   use base_kinds, only: int64, wp
    use base_schema, only: schema_t
    use base_text, only: text_t
+   use base_version, only: git_commit
    use grains_deck, only: declare_grains, require_grains
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_file, only: read_deck_file
+   use io_lock, only: lock_t
    use output_deck, only: check_output_fields, check_output_groups, declare_output_groups
    use output_description, only: describe_simulation
    use output_streams, only: outputs_t
@@ -51,6 +54,7 @@ module program_run_setup
       type(limits_t) :: limits                       !! End of the run, bounds of the step
       type(outputs_t) :: outputs                     !! Output streams
       type(checkpoint_place_t) :: place              !! Folder and numbers of checkpoints
+      type(lock_t) :: lock                           !! Of the case in its folder, on rank 0
    end type run_setup_t
 
 contains
@@ -72,6 +76,8 @@ contains
       type(text_t), allocatable :: overrides(:)
 
       associate (communicator => setup%simulation%machine%communicator, command => setup%command)
+         call check_ranks(setup, error)
+         if (allocated(error)) return
          if (communicator%rank == 0) call read_deck_file(command%deck, setup%deck_text, error)
          call agree(communicator, error)
          if (allocated(error)) return
@@ -87,6 +93,21 @@ contains
          call check_output_groups(setup%deck)
       end associate
    end subroutine read_setup
+
+   !> Refuse ranks that were started with different decks or options, since they would wait for each
+   !! other. Collective.
+   subroutine check_ranks(setup, error)
+      class(run_setup_t), intent(in) :: setup        !! With the command line
+      type(error_t), allocatable, intent(out) :: error !! They differ
+      integer(int64) :: extremes(2)
+
+      ! the complement of the hash, since its negative can overflow
+      extremes = add_hash(setup%command%hash, hash_text(setup%command%deck//git_commit))
+      extremes(2) = not(extremes(1))
+      call setup%simulation%machine%communicator%least(extremes)
+      if (extremes(1) /= not(extremes(2))) call fail(error, exit_input, "the ranks have "// &
+         "different decks, options or versions of scree; start all of them with one command")
+   end subroutine check_ranks
 
    !> Build the simulation without particles, and check conditions that involve several groups of
    !! the deck.

@@ -4,9 +4,10 @@
 module program_session
    use base_agreement, only: agree
    use base_deck, only: group_t
-   use base_error, only: error_t, exit_again
+   use base_error, only: error_t, exit_again, exit_file, exit_physics, fail
    use base_kinds, only: wp
    use base_log, only: log_t
+   use base_process, only: is_set
    use base_timer, only: wall_seconds
    use io_deck_changes, only: changes_t
    use omp_lib, only: omp_get_max_threads
@@ -15,7 +16,7 @@ module program_session
    use output_walls, only: write_walls
    use program_batch_job, only: resume_command
    use program_binding, only: binding_warning
-   use program_existing_results, only: protect_results
+   use program_existing_results, only: lock_case, nothing_to_restart, protect_results
    use program_expected_steps, only: expected_steps
    use program_log_files, only: open_log
    use program_messages, only: with_code
@@ -58,11 +59,17 @@ contains
       class(session_t), intent(inout) :: session     !! Complete, without particles
       type(error_t), allocatable, intent(out) :: error !! There is no run
 
+      logical :: fresh
+
       session%begin = wall_seconds()
-      call start_simulation(session, error)
+      call start_simulation(session, fresh, error)
       if (allocated(error)) return
       call session%loop%begin(session%simulation, session%outputs, session%limits, session%log, &
          session%failure)
+      ! a job that is killed before its first checkpoint finds this one when it runs again
+      if (fresh .and. .not. (session%loop%finished .or. allocated(session%failure))) &
+         call session%loop%checkpoint(session%simulation, session%outputs, session%place, &
+         session%log, session%failure)
       if (allocated(session%failure)) session%loop%finished = .true.
    end subroutine begin_run
 
@@ -70,6 +77,8 @@ contains
    subroutine advance_run(session)
       class(session_t), intent(inout) :: session
 
+      call session%lock%beat()
+      session%loop%lost = session%lock%lost
       call session%loop%step(session%simulation, session%outputs, session%place, session%limits, &
          session%log, session%failure)
       if (allocated(session%failure)) session%loop%finished = .true.
@@ -86,9 +95,15 @@ contains
 
       if (allocated(session%failure)) then
          call move_alloc(session%failure, error)
+      else if (session%loop%code == exit_file) then
+         ! the files are those of another run, so nothing is written
+         code = exit_file
+         call fail(error, code, session%loop%reason)
+         return
       else
          call session%loop%end(session%simulation, session%outputs, session%place, &
             session%limits, session%log, error)
+         if (.not. allocated(error)) call require_progress(session, error)
       end if
       call session%outputs%close(session%simulation%machine%communicator, late)
       if (allocated(late) .and. .not. allocated(error)) call move_alloc(late, error)
@@ -103,6 +118,7 @@ contains
          call summarise(session%simulation, session%outputs, session%log, wall_seconds() - &
             session%begin, timing, code, loop%reason, late)
          call agree(communicator, late)
+         call session%lock%release()
          if (allocated(error)) return
          call session%log%info(with_code("ended     "//loop%reason))
          if (code == exit_again) call session%log%info("go on     "//resume_command( &
@@ -111,9 +127,29 @@ contains
       end associate
    end subroutine end_run
 
+   !> End a chain of batch jobs each of which has time for one step only. Every run does one before
+   !! it obeys a signal or its wall limit.
+   subroutine require_progress(session, error)
+      class(session_t), intent(in) :: session        !! At its end
+      type(error_t), allocatable, intent(out) :: error !! A restart has done no more than one step
+      character(len=12), parameter :: job_variables(4) = [character(len=12) :: "SLURM_JOB_ID", &
+         "PBS_JOBID", "LSB_JOBID", "FLUX_JOB_ID"]
+      integer :: n
+
+      associate (loop => session%loop)
+         if (loop%code /= exit_again .or. .not. session%command%restart .or. &
+            session%simulation%clock%step > loop%clock%step_begin + 1) return
+         if (.not. any([(is_set(trim(job_variables(n))), n=1, size(job_variables))])) return
+         call fail(error, exit_physics, loop%reason//" during the first step after a restart, "// &
+            "so further jobs would do one step each: give the job more time, or raise "// &
+            "wall_limit of &time; then run it again")
+      end associate
+   end subroutine require_progress
+
    !> Make or read the particles, and open the log and the output files.
-   subroutine start_simulation(session, error)
+   subroutine start_simulation(session, fresh, error)
       class(session_t), intent(inout) :: session
+      logical, intent(out) :: fresh                  !! Is it a restart without results?
       type(error_t), allocatable, intent(out) :: error
       character(len=:), allocatable :: note, warning
       type(changes_t) :: changes
@@ -121,7 +157,9 @@ contains
       session%simulation%clock%guard%expected = expected_steps(session%simulation, session%bodies, &
          session%limits)
       ! before the log is opened: a run that is refused changes no file of the previous one
-      call protect_results(session, error)
+      call lock_case(session, session%log, error)
+      if (allocated(error)) return
+      call protect_results(session, fresh, error)
       if (allocated(error)) return
       if (session%command%restart) call restart_run(session, note, changes, error)
       if (allocated(error)) return
@@ -129,6 +167,7 @@ contains
       if (allocated(error)) return
       warning = binding_warning(session%simulation%machine%communicator, session%most_threads)
       if (len(warning) > 0) call session%log%warn(warning)
+      if (fresh) call session%log%info(nothing_to_restart)
       if (session%command%restart) then
          call log_restart(session%log, note, changes)
       else

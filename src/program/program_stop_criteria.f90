@@ -2,7 +2,7 @@
 !> Reasons to end a run: the end of its time or of its steps, wall time, signals, kinetic energy, or
 !! no remaining material.
 module program_stop_criteria
-   use base_error, only: exit_again, exit_success
+   use base_error, only: exit_again, exit_file, exit_success
    use base_kinds, only: int64, wp
    use program_run_limits, only: limits_t
    use program_signals, only: signal_name
@@ -15,7 +15,8 @@ module program_stop_criteria
 
    public :: is_finished, stop_criteria_t
 
-   integer, parameter, public :: wall_limit_request = 1000 !! Stop request other than a signal
+   !> Stop requests other than signals
+   integer, parameter, public :: wall_limit_request = 1000, lost_request = 2000
    character(len=*), parameter, public :: none_left = "all material has left the grid"
    integer(int64), parameter :: kinetic_interval = 20 !! Steps between tests of kinetic energy
 
@@ -42,11 +43,14 @@ contains
       integer :: request
 
       finished = .true.
-      code = exit_success
       ! no step has counted the particles yet
       if (simulation%machine%requests%present < 0.0_wp) simulation%machine%requests%present = &
          merge(1.0_wp, 0.0_wp, simulation%machine%communicator%any(count_particles(simulation) > 0))
       request = nint(simulation%machine%requests%leave)
+      code = exit_file
+      reason = "another run took over the files of this case, so this run ended"
+      if (request >= lost_request) return
+      code = exit_success
       reason = "t_end reached"
       if (simulation%clock%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
       reason = "max_steps reached"

@@ -14,7 +14,8 @@ module program_time_loop
    use program_progress, only: log_progress, log_stage, warn_if_starved
    use program_run_limits, only: limits_t
    use program_signals, only: caught_signal, watch_signal
-   use program_stop_criteria, only: none_left, stop_criteria_t, wall_limit_request
+   use program_stop_criteria, only: lost_request, none_left, stop_criteria_t, &
+      wall_limit_request
    use program_threads, only: adjust_threads
    use step_advance, only: advance
    use step_load_balance, only: balance_ranks, watch_costs
@@ -34,6 +35,7 @@ module program_time_loop
       type(stop_criteria_t) :: criteria
       logical :: finished = .false.                  !! Has a criterion, or an error, ended the run?
       logical :: warned = .false.                    !! Was the lack of processor time reported?
+      logical :: lost = .false. !! Has another run taken over the files? On rank 0 only
       integer :: code = exit_success                 !! Exit code
       character(len=:), allocatable :: reason        !! Why the run ended
    contains
@@ -108,7 +110,7 @@ contains
       call choose_step(simulation, limits, dt, error)
       advanced = .not. allocated(error)
       if (allocated(error)) return
-      call set_requests(simulation, limits, self%clock)
+      call set_requests(simulation, limits, self%clock, self%lost)
       call watch_costs(simulation, limits%balancing)
       call adjust_threads(simulation)
       call advance_timed(simulation, dt, self%clock, error)
@@ -212,10 +214,11 @@ contains
 
    !> Set the requests of this rank, which the next step sends to all ranks: to stop, and,
    !! from the clock of rank 0, a progress line or a checkpoint.
-   subroutine set_requests(simulation, limits, clock)
+   subroutine set_requests(simulation, limits, clock, lost)
       type(simulation_t), intent(inout) :: simulation
       type(limits_t), intent(in) :: limits
       type(loop_clock_t), intent(in) :: clock
+      logical, intent(in) :: lost                    !! Has another run taken over the files?
       real(wp) :: now
 
       now = wall_seconds()
@@ -224,6 +227,7 @@ contains
             present=merge(1.0_wp, 0.0_wp, count_particles(simulation) > 0))
          if (clock%is_wall_limit_near(simulation%clock%step)) &
             requests%leave = real(wall_limit_request, wp)
+         if (lost) requests%leave = real(lost_request, wp)
          if (simulation%machine%communicator%rank > 0) return
          if (now - clock%last_line >= limits%progress) requests%line = 1.0_wp
          if (now - clock%last_checkpoint >= limits%checkpoint_wall) requests%checkpoint = 1.0_wp

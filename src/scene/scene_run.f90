@@ -2,6 +2,7 @@
 !> The groups &run and &units: their keys, and the defaults that depend on the name of the deck.
 module scene_run
    use base_deck, only: deck_t, group_t
+   use base_names, only: name_problem, suggested_name
    use base_schema, only: changes_extent, changes_nothing, schema_t
    use base_text, only: number
    use base_units, only: system_names
@@ -69,20 +70,17 @@ contains
       integer :: last
 
       run = deck%group("run")
-      if (.not. run%valid(["case"])) return
-      if (.not. run%given("case")) then
-         case_name = name_of(deck%file)
-         last = len(case_name)
-         if (last > len(suffix)) then
-            if (case_name(last - len(suffix) + 1:) == suffix) last = last - len(suffix)
-         end if
-         call deck%set_default("run", 1, "case", case_name(:last))
-         return
+      if (.not. run%valid(["case"]) .or. run%given("case")) return
+      case_name = name_of(deck%file)
+      last = len(case_name)
+      if (last > len(suffix)) then
+         if (case_name(last - len(suffix) + 1:) == suffix) last = last - len(suffix)
       end if
-      call run%get("case", case_name)
-      if (scan(case_name, "/ *?'""") > 0) call deck%add_error(run, "case = '"//case_name// &
-         "' is part of file names: no blanks, slashes, quotes; the folder is --outdir", "case")
-      if (len(case_name) > 100) call deck%add_error(run, "case is longer than 100 letters", "case")
+      case_name = case_name(:last)
+      call deck%set_default("run", 1, "case", case_name)
+      if (name_problem(case_name) /= "") call deck%add_error(run, "the name of the deck would "// &
+         "be the case, but it "//name_problem(case_name)//"; write case = '"// &
+         suggested_name(case_name)//"', or --case "//suggested_name(case_name))
    end subroutine check_case
 
    !> Replace `deck` by the name of its system of units, as the echo of the deck is in SI.

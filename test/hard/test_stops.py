@@ -152,8 +152,9 @@ def test_files(options, sheet):
     run.run("-q", "--outdir", run.folder / "file/out", expect=3)
     sheet.require((run.folder / "file").read_text(encoding="utf-8") == "not a folder",
                   "folder: what is in the way stays")
+    run.run("-q", "--set", "checkpoint.at_end=F")
     run.run("-q", "--restart", expect=3)
-    sheet.require("heckpoint" in run.output, f"restart without a checkpoint: {run.output}")
+    sheet.require("heckpoint" in run.output, f"restart of results without a checkpoint: {run.output}")
     run.deck.unlink()
     run.run("-q", expect=3)
     sheet.require("folder.nml" in run.output, f"no deck: {run.output}")

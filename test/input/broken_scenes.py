@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Errors of a scene that a single change of a deck of broken_values makes; rows as there."""
 
+import os
+
 # A periodic cell that deforms, and what it is incompatible with.
 CELLS = [
     ("cell", "type = 'periodic'", "type = 'slip'", 8,
@@ -335,9 +337,14 @@ NAMES = [
     ("plain", "&time", "&effects contact = T /\n&contact bodies = 'one' 'oen' /\n&time", 4,
      "&contact: no body 'oen'; defined: one; did you mean 'one'?"),
     ("plain", "dimension = 'plane_strain'", "dimension = 'plane_strain' case = '../a'", 1,
-     "&run: case = '../a' is part of file names: no blanks, slashes, quotes; the folder is"),
+     "&run: case = '../a'  <- is not a name: names have letters, digits"),
     ("plain", "dimension = 'plane_strain'", "dimension = 'plane_strain' case = 'a b'", 1,
-     "&run: case = 'a b' is part of file names: no blanks, slashes, quotes; the folder is"),
+     "&run: case = 'a b'  <- is not a name: names have letters, digits"),
+    ("plain", "name = 'ball'", "name = 'a/b'", 6, "&region: name = 'a/b'  <- is not a name"),
+    ("plain", "name = 'one'", "name = '.one'", 7, "&body: name = '.one'  <- is not a name"),
+    ("plain", "name = 'metal'", "name = 'me\ttal'", 4,
+     "&material: name = 'me\ttal'  <- has a control character, number 9 at place 3; only printable"),
+    ("plain", "name = 'one'", "name = 'on\u202ee'", 7, "<- is not a name: names have letters, digits"),
 ]
 
 # Bodies that are not possible.
@@ -525,7 +532,11 @@ COMMANDS = [
     (["--set", "run.dimension=4d"], "dimension = 4d is none of: 3d plane_strain axisymmetric 1d;"),
     (["--set", "time.t_end=1 /"], "&time: t_end = 1 /  <- is not a value"),
     (["--set="], "the value of --set is empty"),
-    (["--case", "a/b"], "&run: case = 'a/b' is part of file names"),
+    (["--case", "a/b"], "&run: case = a/b  <- is not a name: names have letters, digits"),
+    (["--case", "a\nb"], "has a control character, number 10 at place 2; only printable"),
+    (["--set", "run.title=a\x7fb"], "has a control character, number 127 at place 12"),
+    (["--outdir", "a\u0085b"], "has a control character, number 133 at place 2"),
+    (["--set", "run.title=" + os.fsdecode(b"a\xffb")], "has bytes that are not UTF-8 text, the first one at place 12"),
     (["--case", "it's"], "&run: case = it's  <- is not a value"),
     (["--case="], "the value of --case is empty"),
     (["--chek"], "unknown option --chek; did you mean --check?"),

@@ -2,9 +2,9 @@
 """Job scripts of `--job`, run with substitutes for the commands of schedulers, which need not be installed.
 
 Would catch a script that the shell cannot read, that loses an option or a quote, does not resubmit the job when the run
-requests it, resubmits it for any other reason, loses an exit code, or starts from the beginning where it should
-restart; a signal that ends the script instead of the run; and a memory request that does not depend on the number of
-particles.
+requests it, resubmits it for any other reason, loses an exit code, starts from the beginning where it should
+restart, or removes results; a signal that ends the script instead of the run; and a memory request that does not depend
+on the number of particles.
 """
 
 import os
@@ -67,7 +67,7 @@ class TestJobs:
 
     @pytest.fixture(autouse=True)
     def made(self, options):
-        self.folder = options.work / "a 'quoted' one"
+        self.folder = options.work / "a 'quoted' [one] $HOME `x` ö"
         (self.folder / "bin").mkdir(parents=True)
         for name, text in [("srun", SRUN), ("flux", FLUX), ("bsub", BSUB), ("scontrol", CALL.format("scontrol")),
                            ("qsub", CALL.format("qsub"))]:
@@ -98,12 +98,12 @@ class TestJobs:
         assert subprocess.run(["bash", "-n", path]).returncode == 0, answer.stdout
         return answer.stdout
 
-    def execute(self, seconds, ranks):
+    def execute(self, seconds, ranks, **more):
         """Exit code of the script in a job that ends in a given number of seconds, and the calls of the substitutes."""
         (self.folder / "calls").write_text("", encoding="utf-8")
         answer = subprocess.run(
             ["bash", "job.sh"], cwd=self.folder, text=True, capture_output=True, timeout=250,
-            env={**self.environment, "SLURM_NTASKS": str(ranks), "SLURM_CPUS_PER_TASK": "1",
+            env={**self.environment, **more, "SLURM_NTASKS": str(ranks), "SLURM_CPUS_PER_TASK": "1",
                  "SLURM_JOB_END_TIME": str(int(time.time() + seconds))})
         self.said = answer.stdout + answer.stderr
         return answer.returncode, (self.folder / "calls").read_text(encoding="utf-8").splitlines()
@@ -113,23 +113,40 @@ class TestJobs:
 
     def test_slurm_comes_back(self, options):
         """A job whose time is over is resubmitted, restarts, ends, and is not resubmitted again."""
-        text = self.script(options, "--job", "slurm", "--ranks", "2", "--threads", "1", "--outdir", "re sults",
-                           "--set", "run.title='it is \"so\"'")
+        text = self.script(options, "--job", "slurm", "--ranks", "2", "--threads", "1", "--outdir", "re sults[1]",
+                           "--set", "run.title='it is \"so\"; $(touch bad) `touch bad`'")
         assert "#SBATCH --ntasks=2\n" in text
         assert "#SBATCH --signal=USR1@300\n" in text
         code, calls = self.execute(SOON, 2)
         assert code == 75, self.said
         assert calls[1:] == ["scontrol requeue 4711"]
-        assert "--restart" not in calls[0]
-        before = self.summary("re sults")
+        log = (self.folder / "re sults[1]/block.log").read_text(encoding="utf-8")
+        assert "--restart starts it at step 0" in log
+        before = self.summary("re sults[1]")
         assert 0 < before["steps"] < 20, before["steps"]
         code, calls = self.execute(LATE, 2)
         assert (code, len(calls)) == (0, 1), self.said
         assert calls[0].endswith("--restart"), calls
+        log = (self.folder / "re sults[1]/block.log").read_text(encoding="utf-8")
+        assert "restart from re sults[1]/block_chk_" in log
+        assert not (self.folder / "bad").exists()
         straight = subprocess.run(
             [options.scree, "--quiet", "my deck.nml", "--set", "time.wall_limit=none"], cwd=self.folder)
         assert straight.returncode == 0
-        assert self.summary("re sults")["digest"] == self.summary("out/block")["digest"]
+        assert self.summary("re sults[1]")["digest"] == self.summary("out/block")["digest"]
+
+    def test_results_without_checkpoint(self, options):
+        """Would catch a script that removes results: the files of a run whose checkpoints were removed remain."""
+        self.script(options, "--job", "slurm", "--ranks", "1", "--threads", "1")
+        assert self.execute(SOON, 1)[0] == 75, self.said
+        folder = self.folder / "out/block"
+        for path in [*folder.glob("*.h5"), folder / "block.summary.json"]:
+            path.unlink()
+        before = {path.name: path.read_bytes() for path in folder.iterdir()}
+        code, calls = self.execute(LATE, 1)
+        assert (code, len(calls)) == (3, 1), self.said
+        assert "--overwrite removes the results" in self.said
+        assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
     def test_slurm_stays_away(self, options):
         """A run that fails for another reason is not resubmitted."""
@@ -143,13 +160,16 @@ class TestJobs:
             pytest.skip("there is no mpirun")
         text = self.script(options, "--job", "pbs", "--ranks", "2", "--threads", "3", "--time", "1:00:00")
         assert "#PBS -l select=2:ncpus=3:mpiprocs=1:ompthreads=3:mem=" in text
-        assert "#PBS -l walltime=1:00:00\n" in text
+        assert "#PBS -l walltime=01:00:00\n" in text
         text = self.script(options, "--job", "pbs", "--ranks", "2", "--threads", "1", "--time", "1:00:00")
         assert "--set time.wall_limit=00:55:00 " in text
         path = self.folder / "job.sh"
         path.write_text(text.replace("00:55:00", "00:00:00"), encoding="utf-8")
         code, calls = self.execute(LATE, 2)
         assert (code, calls) == (75, ["qsub job.sh"]), self.said
+        code, calls = self.execute(LATE, 2, PBS_JOBID="12.server")
+        assert (code, calls) == (4, []), "a chain of jobs that do one step each"
+        assert "wall_limit reached during the first step after a restart" in self.said
         path.write_text(text, encoding="utf-8")
         code, calls = self.execute(LATE, 2)
         assert (code, calls) == (0, []), self.said
@@ -235,7 +255,7 @@ class TestJobs:
             return int(re.search(r":mem=(\d+)mb", self.script(options, "--job", "pbs", "--threads", "4", *words))[1])
         small, fine = megabytes("--ranks", "1"), megabytes("--ranks", "1", *FINE)
         assert 256 <= small < 300
-        assert fine > small + 2*1.5*100
+        assert fine > small + 4*1.5*100
         assert megabytes("--ranks", "4", *FINE) - 256 < (fine - 256)/4 + 8
         text = self.script(options, "--job", "slurm", "--ranks", "1", "--threads", "4", *FINE)
         assert abs(4*int(re.search(r"mem-per-cpu=(\d+)M", text)[1]) - fine) <= 4
@@ -251,6 +271,29 @@ class TestJobs:
         assert particles > 1.5e6
         assert f"#SBATCH --ntasks={-(-particles // 10**6)}\n" in fine
 
+    def test_nodes_and_days(self, options):
+        """Would catch ranks that are not spread over the nodes as requested, memory of one rank for a whole node, and a
+        time in a form that the scheduler does not read. Lines for the partition and the account do nothing."""
+        words = ("--nodes", "2", "--ranks", "6", "--threads", "4", "--time", "2-00:00:00")
+        slurm, pbs, lsf, flux = (self.script(options, "--job", name, *words) for name in SCHEDULERS)
+        for text, lines in (
+                (slurm, ("#SBATCH --nodes=2", "#SBATCH --ntasks=6", "#SBATCH --ntasks-per-node=3",
+                         "#SBATCH --time=2-00:00:00", "##SBATCH --partition=NAME", "##SBATCH --account=NAME")),
+                (pbs, ("#PBS -l place=scatter", "#PBS -l walltime=48:00:00", "##PBS -q NAME", "##PBS -A NAME")),
+                (lsf, ("#BSUB -n 6", '#BSUB -R "span[ptile=3]"', "#BSUB -W 2880", "##BSUB -q NAME", "##BSUB -P NAME")),
+                (flux, ("#flux: --nodes=2", "#flux: --nslots=6", "#flux: --time-limit=172800s"))):
+            assert set(lines) <= set(text.splitlines()), text
+            assert "{{" not in text
+        # Flux reads any line of punctuation and the word flux: as a directive
+        assert len(re.findall(r"^\W*flux:", flux, re.M)) == len(re.findall(r"^#flux: --[a-z-]+=\w+$", flux, re.M)) == 5
+        chunk = re.search(r"^#PBS -l select=2:ncpus=12:mpiprocs=3:ompthreads=4:mem=(\d+)mb$", pbs, re.M)
+        core = re.search(r"^#SBATCH --mem-per-cpu=(\d+)M$", slurm, re.M)
+        assert abs(int(chunk[1]) - 12*int(core[1])) <= 12
+        rounded = self.script(options, "--job", "slurm", "--nodes", "3")
+        assert "#SBATCH --ntasks=3\n" in rounded and "#SBATCH --ntasks-per-node=1\n" in rounded
+        alone = "".join(self.script(options, "--job", name) for name in SCHEDULERS)
+        assert not re.search(r"nodes|per-node|ptile|scatter", alone)
+
     def test_refusals(self, options, sheet):
         """Would catch a number or word that is accepted with another meaning, and a job that no signal reaches."""
         for words, message in [
@@ -259,7 +302,10 @@ class TestJobs:
                 (["--job", "slurm", "--threads", "two"], "--threads = 'two' must be an integer above 0"),
                 (["--job", "slurm", "--time", "4h"], "--time = '4h' must be hours, minutes and seconds"),
                 (["--job", "slurm", "--time", "0:61:00"], "--time = '0:61:00' must be hours"),
-                (["--job", "slurm", "--check"], "--job excludes --check, --point and --restart"),
+                (["--job", "slurm", "--check"], "--job excludes --check, --point, --restart and --overwrite"),
+                (["--job", "slurm", "--overwrite"], "--job excludes --check, --point, --restart and --overwrite"),
+                (["--job", "slurm", "--nodes", "2", "--ranks", "3"], "--ranks must be a multiple of --nodes"),
+                (["--nodes", "2"], "--nodes needs --job"),
                 (["--ranks", "4"], "--ranks needs --job"),
                 (["--threads", "4"], "--threads needs --job"),
                 (["--time", "1:00:00"], "--time needs --job"),

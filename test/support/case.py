@@ -88,7 +88,7 @@ class Case:
     """One deck in a separate folder, which is emptied first unless `keep` is true."""
 
     def __init__(self, options, name, deck, ranks=1, threads=1, keep=False):
-        self.scree, self.name = options.scree, name
+        self.scree, self.name = options.scree, re.sub(r"[^\w.+-]", "_", name)   # the case has no other characters
         self.ranks, self.threads = ranks, threads
         self.folder = options.work / name
         self.code, self.output, self.guarded = None, "", False

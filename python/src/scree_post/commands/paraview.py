@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import shutil
 import subprocess
 
@@ -41,10 +42,8 @@ LONGEST = 120.0          # longest time for pvpython [s]
 SCRIPT = '''# SPDX-License-Identifier: BSD-3-Clause
 """Opens a run in ParaView 5.11 or newer; written by scree-post paraview.
 
-{title}
-
-    paraview --script={name}
-    pvbatch {name} picture.png       # or a state file, picture.pvsm
+    paraview --script=SCRIPT
+    pvbatch SCRIPT picture.png       # or a state file, picture.pvsm
 """
 import sys
 from pathlib import Path
@@ -53,6 +52,7 @@ from paraview.simple import (
     AnnotateTimeFilter, ColorBy, GetActiveViewOrCreate, GetAnimationScene, GetColorTransferFunction, GetScalarBar,
     OpenDataFile, Reflect, Render, SaveScreenshot, SaveState, Show, _DisableFirstRenderCameraReset)
 
+TITLE = {title!r}
 SERIES = Path({series!r})
 FIELD, COMPONENT = {field!r}, {component!r}              # of a vector "Magnitude"
 FIELDS = {fields!r}
@@ -146,7 +146,7 @@ def window_of(part: Matter, flat: bool) -> tuple[list[float], float, list[float]
     return np.asarray(middle).tolist(), float(half), towards.tolist()
 
 
-def script_of(source: str, name: str | None, out: str) -> str:
+def script_of(source: str, name: str | None) -> str:
     """The text of the script."""
     file = series(source)[-1][1]
     snap = snapshot(file, own_units=True)                # ParaView shows the numbers of the file
@@ -165,7 +165,7 @@ def script_of(source: str, name: str | None, out: str) -> str:
     clock, second = look.scaled(abs(si.time), "s")
     unit = snap.units.get(field, "1")
     return SCRIPT.format(
-        title=(snap.title or os.path.basename(source)).replace('"""', "'"), name=os.path.basename(out),
+        title=snap.title or os.path.basename(source),
         series=os.path.abspath(source), field=field, component=part.upper() if part else "Magnitude" if vector else "",
         fields=sorted(snap.fields), label=colours.label_of(snap, name), unit="" if unit == "1" else unit,
         low=float(low), high=float(high), preset=preset,
@@ -210,15 +210,15 @@ def run(arguments: argparse.Namespace) -> int:
     out = arguments.out or beside(source, "_view.py")
     if not out.endswith(".py"):
         raise ScreeError(f"--out {out}: write a .py", EXIT_USAGE)
-    text = script_of(source, arguments.colour, out)
+    text = script_of(source, arguments.colour)
     compile(text, out, "exec")
     try:
         with open(out, "w", encoding="utf-8") as file:
             file.write(text)
     except OSError as error:
         raise ScreeError(f"cannot write {out}: {error.strerror}") from error
-    print(f"wrote {out}: paraview --script={out}")
+    print(f"wrote {out}: paraview --script={shlex.quote(out)}")
     state = write_state(out)
     if state:
-        print(f"wrote {state}: paraview --state={state}" if state.endswith(".pvsm") else state)
+        print(f"wrote {state}: paraview --state={shlex.quote(state)}" if state.endswith(".pvsm") else state)
     return 0
