@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Union
 
 from . import files
 from .drawing import page
+from .drawing.look import plain_texts
 from .drawing.radiograph_page import Picture
 from .errors import FileProblem
 from .results import Run
@@ -57,7 +58,7 @@ def picture(source: Source, colour: str | None = None, *, time: float | None = N
     chosen = page.options(colour=colour, range=limits, view=view, camera=words, up=up, **options)
     with matplotlib.rc_context():                        # settings of the caller are not changed
         figure, _ = page.picture(file_of(source, time), chosen)
-    return figure
+    return plain_texts(figure)
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ class Radiograph:
         towards = -1.0 if self.speed < 0.0 else 1.0
         options = {"mu": absorption, "unit": unit, "towards": towards, "view": None}
         with matplotlib.rc_context():                    # settings of the caller are not changed
-            return Picture([self._frame], self._title, options).draw()
+            return plain_texts(Picture([self._frame], self._title, options).draw())
 
 
 def radiograph(source: Source, *, time: float | None = None, pixel: float | None = None, sight: str = "y",

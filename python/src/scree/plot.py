@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from .drawing.look import COLOURS, readable_unit, with_unit, words
+from .drawing.look import COLOURS, plain_texts, readable_unit, with_unit, words
 from .errors import nearest
 from .results import Run
 from .snapshot import Snapshot
@@ -95,7 +95,7 @@ def columns_of(tables: Mapping[str, pandas.DataFrame], names: Sequence[str], *, 
         if len(group) * len(several) > 1:
             axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0, frameon=False)
     cells[-1, 0].set_xlabel(label(x, unit_x))
-    return figure
+    return plain_texts(figure)
 
 
 def history(runs: Run | Sequence[Run], columns: str | Sequence[str] = ENERGIES, table: str = "history", *,

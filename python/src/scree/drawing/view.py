@@ -223,6 +223,7 @@ def to_pixels(figure: Figure, dpi: float) -> Array:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     figure.set_dpi(dpi)
     canvas = FigureCanvasAgg(figure)
+    look.plain_texts(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba()).copy()  # type: ignore[no-untyped-call]
     look.pyplot().close(figure)
