@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import IO, Any
 
-from .errors import DeckError, FileProblem, decoded, error_of_run
+from .errors import DeckError, FileProblem, decoded, error_of_run, readable
 from .program import find_program
 from .results import Run
 
@@ -203,7 +203,7 @@ def options_of(settings: Mapping[str, Any], case: str | None, outdir: str | os.P
 
 def echo_of(program: str, deck: str | os.PathLike[str], settings: Mapping[str, Any]) -> str:
     """The echo of a deck with settings. Raises the errors that `scree --check` reports."""
-    words = [program, "--echo", *options_of(settings, None, None), "--", os.fspath(deck)]
+    words = [program, "--echo", *options_of(settings, None, None), "--", readable(os.fspath(deck))]
     try:
         answer = subprocess.run(words, capture_output=True, check=False)
     except OSError as error:
