@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import shutil
 import subprocess
 
@@ -41,10 +42,8 @@ LONGEST = 120.0          # longest time for pvpython [s]
 SCRIPT = '''# SPDX-License-Identifier: BSD-3-Clause
 """Opens a run in ParaView 5.11 or newer; written by scree-post paraview.
 
-{title}
-
-    paraview --script={name}
-    pvbatch {name} picture.png       # or a state file, picture.pvsm
+    paraview --script=SCRIPT          # this file
+    pvbatch SCRIPT picture.png        # or a state file, picture.pvsm
 """
 import sys
 from pathlib import Path
@@ -53,6 +52,7 @@ from paraview.simple import (
     AnnotateTimeFilter, ColorBy, GetActiveViewOrCreate, GetAnimationScene, GetColorTransferFunction, GetScalarBar,
     OpenDataFile, Reflect, Render, SaveScreenshot, SaveState, Show, _DisableFirstRenderCameraReset)
 
+TITLE = {title!r}
 SERIES = Path({series!r})
 FIELD, COMPONENT = {field!r}, {component!r}              # of a vector "Magnitude"
 FIELDS = {fields!r}
@@ -114,7 +114,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     parser.add_argument("source", metavar="SERIES", help="CASE_p.hdf.series or out/CASE")
     parser.add_argument("--colour", "--color", metavar="FIELD",
-                        help="a field, or a component such as velocity.z or stress.xx (velocity)")
+                        help="a field, speed, or a component such as velocity.z or stress.xx (speed)")
     parser.add_argument("--out", metavar="PY", help="script; default CASE_view.py in the folder of the series. The "
                         "state file is written to the same folder")
 
@@ -153,6 +153,7 @@ def script_of(source: str, name: str | None, out: str) -> str:
     if len(snap.points) == 0:
         raise ScreeError(f"{file} holds no particles", EXIT_USAGE)
     name = name or "velocity"
+    name = colours.present(snap, name)
     low, high, preset = range_of(snap, name)
     field, part = colours.field_of(name)
     if field not in snap.fields:
@@ -165,7 +166,7 @@ def script_of(source: str, name: str | None, out: str) -> str:
     clock, second = look.scaled(abs(si.time), "s")
     unit = snap.units.get(field, "1")
     return SCRIPT.format(
-        title=(snap.title or os.path.basename(source)).replace('"""', "'"), name=os.path.basename(out),
+        title=snap.title or os.path.basename(source),
         series=os.path.abspath(source), field=field, component=part.upper() if part else "Magnitude" if vector else "",
         fields=sorted(snap.fields), label=colours.label_of(snap, name), unit="" if unit == "1" else unit,
         low=float(low), high=float(high), preset=preset,
@@ -217,8 +218,8 @@ def run(arguments: argparse.Namespace) -> int:
             file.write(text)
     except OSError as error:
         raise ScreeError(f"cannot write {out}: {error.strerror}") from error
-    print(f"wrote {out}: paraview --script={out}")
+    print(f"wrote {out}: paraview --script={shlex.quote(out)}")
     state = write_state(out)
     if state:
-        print(f"wrote {state}: paraview --state={state}" if state.endswith(".pvsm") else state)
+        print(f"wrote {state}: paraview --state={shlex.quote(state)}" if state.endswith(".pvsm") else state)
     return 0
