@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Misuse of the Python package: each row of the tables is a mistake of a caller and the exception that answers it.
 
-The rows of a table run one after another in a process of their own, which has to survive them. Would catch a double free, a
-read of memory that was released, a deadlock of two threads, a child process that finishes the MPI of its parent, and
-mistakes that are accepted or answered by an error inside of the package.
+The rows of a table run one after another in a process of their own, which has to survive them. Would catch a double
+free, a read of memory that was released, a deadlock of two threads, a child process that finishes the MPI of its
+parent, and mistakes that are accepted or answered by an error inside of the package.
 """
 from __future__ import annotations
 
@@ -106,7 +106,8 @@ TABLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("code('scree_field', sim._handle, 99, b'velocity', ctypes.byref(binding.Memory()))", "RuntimeError"),
         ("code('scree_field', sim._handle, 0, b'', ctypes.byref(binding.Memory()))", "RuntimeError")),
     "threads and processes": (
-        ("in_thread(lambda: sim.step(5))", ""), ("in_thread(lambda: sim.fields['velocity'].sum())", "StaleView or none"),
+        ("in_thread(lambda: sim.step(5))", ""),
+        ("in_thread(lambda: sim.fields['velocity'].sum())", "StaleView or none"),
         ("in_thread(lambda: [sim.step(), np.asarray(sim.fields['stress']).sum()])", ""),
         ("one = start(); in_thread(one.close)", ""), ("in_thread(lambda: start().run(until=0.001))", ""),
         ("one = start(); threads = [threading.Thread(target=work) for work in (lambda: one.step(50), one.close)]; "
@@ -125,7 +126,8 @@ TABLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("sim.fields['velocity'][999, 0] = 1", "IndexError"), ("sim.fields['velocity'][3] = 0; sim.step()", ""),
         ("sim.fields['position'] = 5.0", "ValueError"), ("sim.fields['position'].flags.writeable = True", "ValueError"),
         ("sim.fields['identity'][:] = -1", "ValueError"), ("sim.fields['none']", "KeyError"),
-        ("sim.fields[0]", "KeyError"), ("sim.fields[[]]", "TypeError"), ("del sim.fields['velocity']", "AttributeError"),
+        ("sim.fields[0]", "KeyError"), ("sim.fields[[]]", "TypeError"),
+        ("del sim.fields['velocity']", "AttributeError"),
         ("sim.controls['gravity'] = 1", "ValueError"), ("sim.controls['gravity'] = np.nan, 0, 0", "DeckError"),
         ("sim.controls['gravity'] = 'down'", "ValueError"), ("sim.controls['gravity'] = 0, 0, -9, 1", "ValueError"),
         ("sim.controls['moon']", "KeyError"), ("sim.step(1.5)", "TypeError"), ("sim.step('all')", "TypeError"),

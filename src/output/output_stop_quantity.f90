@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The column of a table whose level ends a run (`stop_when = 'above'` and `'below'`). It is compared
-!! whenever the table gets a row, so it costs nothing in other steps.
+!> The column of a table whose level ends a run (`stop_when = 'above'` and `'below'`). It is
+!! compared whenever the table gets a row, so it costs nothing in other steps.
 module output_stop_quantity
    use base_deck, only: deck_t
    use base_error, only: error_t
@@ -57,15 +57,17 @@ contains
          select type (stream => streams(n)%item)
          class is (table_stream_t)
             if (.not. stream%has_one_row()) cycle
-            call append(tables, stream%file(len(case) + 2:index(stream%file, ".csv", back=.true.) - 1))
+            call append(tables, &
+               stream%file(len(case) + 2:index(stream%file, ".csv", back=.true.) - 1))
             if (tables(size(tables))%text /= table) cycle
             self%stream = n
             call stream%list_columns(headings)
          end select
       end do
       if (self%stream == 0) then
-         call deck%add_error("time", 1, "stop_quantity = '"//self%name//"': this deck writes no table '"// &
-            table//"' with one row for each time; there are:"//listed(tables, table), "stop_quantity")
+         call deck%add_error("time", 1, "stop_quantity = '"//self%name//"': this deck writes no "// &
+            "table '"//table//"' with one row for each time; there are:"// &
+            listed(tables, table), "stop_quantity")
          return
       end if
       do n = 1, size(headings)
@@ -122,12 +124,14 @@ contains
       end if
    end function stop_quantity_is_reached
 
-   !> Put the last row into the state of a checkpoint, so that a restart of a run that has ended ends at once.
+   !> Put the last row into the state of a checkpoint, so that a restart of a run that has ended ends
+   !! at once.
    subroutine stop_quantity_save(self, state)
       class(stop_quantity_t), intent(in) :: self
       type(state_t), intent(inout) :: state          !! State of the checkpoint
 
-      if (self%stream > 0) call state%set(label//self%name, [self%step, transfer(self%value, self%step)])
+      if (self%stream > 0) call state%set(label//self%name, &
+         [self%step, transfer(self%value, self%step)])
    end subroutine stop_quantity_save
 
    !> Restore the last row from the state of a checkpoint that has it.

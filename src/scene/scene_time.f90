@@ -25,7 +25,7 @@ module scene_time
       real(wp) :: kinetic_below = -1.0_wp            !! It ends at a kinetic energy below this [J]
       real(wp) :: rest_below = -1.0_wp               !! ... below this fraction of the greatest [1]
       real(wp) :: unbalanced_below = -1.0_wp         !! ... below this ratio of forces [1]
-      character(len=:), allocatable :: quantity      !! ... at a level of this TABLE.COLUMN, or empty
+      character(len=:), allocatable :: quantity      !! ... at a level of this TABLE.COLUMN
       real(wp) :: level = 0.0_wp                     !! Level of the quantity [unit of the column]
       logical :: above = .false.                     !! Does it end above the level?
    end type time_limits_t

@@ -47,9 +47,9 @@ def picture(source: Source, colour: str | None = None, *, time: float | None = N
     """Particles coloured by a field: in 3-D as shaded spheres, in two dimensions at their size in the plane.
 
     `source` is a run, a snapshot, or the path of a series; `time` [s] selects the nearest snapshot, by default the
-    last. `colour` is a field, a component such as velocity.z, speed, x, y, z, body or fragment_size; by default the size of
-    fragments if there are any, otherwise the speed. `limits` are the ends of the colour bar and `view` left, right,
-    bottom and top of the window, in SI. `camera` is x, y, z, corner, or azimuth and elevation [deg] in three
+    last. `colour` is a field, a component such as velocity.z, speed, x, y, z, body or fragment_size; by default the
+    size of fragments if there are any, otherwise the speed. `limits` are the ends of the colour bar and `view` left,
+    right, bottom and top of the window, in SI. `camera` is x, y, z, corner, or azimuth and elevation [deg] in three
     dimensions, `up` the axis that points up. Further options are those of scree-post picture: bodies, hide_failed,
     keep, map, no_mirror, no_walls, title, zoom and dpi (of the image of spheres).
     """

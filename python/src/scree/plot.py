@@ -131,9 +131,10 @@ def field(snapshot: Snapshot, name: str, *, axes: Axes | None = None, limits: tu
           colour_map: str | None = None, mirror: bool = True) -> Figure:
     """Particles of a run in two dimensions, coloured by a field and drawn as squares of their volume.
 
-    `name` is a field, a component such as stress_zz, or a vector, whose length is shown; speed is that of the velocity. `limits` are the ends of the
-    colour bar in SI. Axisymmetric runs show both halves of their plane unless `mirror` is False. Colours are those of a
-    diverging map where the numbers change their sign. In one dimension the field is drawn over x.
+    `name` is a field, a component such as stress_zz, or a vector, whose length is shown; speed is that of the velocity.
+    `limits` are the ends of the colour bar in SI. Axisymmetric runs show both halves of their plane unless `mirror` is
+    False. Colours are those of a diverging map where the numbers change their sign. In one dimension the field is drawn
+    over x.
     """
     if snapshot.dimension == "3d":
         raise ValueError("a run in three dimensions: use snapshot.along with plot.line, snapshot.to_pyvista, or the "
