@@ -26,13 +26,13 @@ from scree_post.commands import COMMANDS
 # of quotes, quotes in quotes, comments with quotes, groups on one line and over lines, capital letters, and a title in
 # Latin-1 with dollar signs, backslashes, braces and percent signs.
 DECK = r"""! a comment with 'quotes", braces {1/0} and &groups /
-&RUN	Title = 'Stoß $v_0$ of "two" bodies: it''s \alpha \N{x} {0} %s 50 %'
+&RUN~Title = 'Stoß $v_0$ of "two" bodies: it''s \alpha \N{x} {0} %s 50 %'
    dimension='plane_strain'/ &units system = 'mm-us-mg' output_units='deck' /
 &define v = 0.5 km/s  angle = 30  n = 16 /
 &define
    h = {1/2}    ! mm
 /
-&grid lo = 3*0   hi = 16	2, {n/2}
+&grid lo = 3*0   hi = 16~2, {n/2}
    dx = {h}  /
 &time t_end = {2*h} us   cfl = 4d-1 /
 &effects  contact = T, damage = .TRUE.  thermal = .true. /
@@ -54,7 +54,7 @@ DECK = r"""! a comment with 'quotes", braces {1/0} and &groups /
 &output name = 'line'  kind = 'profile'  count = 2  axis = 'x'  bins = 4 /
 &output name = 'cells'  kind = 'grid'  count = 2 /
 &output name = 'cut'  kind = 'slice'  count = 2  axis = 'z'  at = 4 /
-""".replace("\n&grid", "\r\n&grid")
+""".replace("~", "\t").replace("\n&grid", "\r\n&grid")
 MORE = "&material name = 'metal'  preset = 'al_6061_t6'  spall = 1 GPa /"
 
 

@@ -65,8 +65,8 @@ contains
          end select
       end do
       if (self%stream == 0) then
-         call deck%add_error("time", 1, "stop_quantity = '"//self%name//"': this deck writes no "// &
-            "table '"//table//"' with one row for each time; there are:"// &
+         call deck%add_error("time", 1, "stop_quantity = '"//self%name// &
+            "': this deck writes no table '"//table//"' with one row for each time; there are:"// &
             listed(tables, table), "stop_quantity")
          return
       end if
@@ -124,8 +124,8 @@ contains
       end if
    end function stop_quantity_is_reached
 
-   !> Put the last row into the state of a checkpoint, so that a restart of a run that has ended ends
-   !! at once.
+   !> Put the last row into the state of a checkpoint, so that a restart of a run that has ended
+   !! ends at once.
    subroutine stop_quantity_save(self, state)
       class(stop_quantity_t), intent(in) :: self
       type(state_t), intent(inout) :: state          !! State of the checkpoint
