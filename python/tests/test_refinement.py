@@ -9,6 +9,7 @@ import pytest
 from conftest import LINE
 
 import scree
+from scree.causes import causes_of
 from scree.convergence import cost_law, forecast, judge
 from scree.grids import grid_of
 from scree.launch import echo_of
@@ -82,6 +83,29 @@ def test_grid_of_a_deck(tmp_path: Path, system: str, grid: str, key: str) -> Non
     assert found.spacing == pytest.approx(1.0e-3, rel=1e-12)
     finer = grid_of(echo_of(program, deck, found.setting(40)))
     assert finer.cells == (40, 1, 1) and finer.spacing == pytest.approx(0.5e-3, rel=1e-12)
+
+
+@pytest.mark.parametrize(("values", "kind"), [
+    ((1.0, 1.2, 1.1), "oscillating"), ((352.0, 419.0, 490.0), "not converging"), ((1.0, 2.0, 4.0), "not converging")])
+def test_no_limit(values: tuple[float, float, float], kind: str) -> None:
+    """Would catch an extrapolated value where none exists."""
+    verdict = judge((4.0, 2.0, 1.0), values)
+    assert verdict.kind == kind and verdict.limit is None
+    assert kind == "oscillating" or verdict.error == np.inf
+
+
+@pytest.mark.parametrize(("effects", "keys", "named"), [
+    ("damage = .true.", "damage_model = 'principal_stress'", "principal_stress"),
+    ("damage = .true.", "damage_model = 'none' spall = 1.0e9", "by spall"),
+    ("damage = .true.", "damage_model = 'principal_stress' fracture_energy = 20.0", ""),
+    ("damage = .true.", "damage_model = 'principal_strain' failure_delay = 1.0e-6", ""),
+    ("damage = .true.", "damage_model = 'grady_kipp'", ""), ("damage = .false.", "spall = 1.0e9", "")])
+def test_causes(effects: str, keys: str, named: str) -> None:
+    """Would catch a failure without a length that is not named as a reason of values that do not converge, and a
+    material with one, or without damage, that is."""
+    found = causes_of(f"&effects {effects} /\n&material name = 'rock' {keys} /\n")
+    assert bool(found) == bool(named)
+    assert not named or ("'rock'" in found[0] and named in found[0])
 
 
 def test_cost_needs_an_order() -> None:
