@@ -51,7 +51,7 @@ DECK = r"""! a comment with 'quotes", braces {1/0} and &groups /
 &output name = 'mean'  kind = 'gauge'  every = 2  gauge = 'mean'  fields = 'velocity' /
 &output name = 'load'  kind = 'forces'  every = 2 /
 &output name = 'pieces'  kind = 'fragments'  count = 2 /
-&output name = 'line'  kind = 'profile'  count = 2  axis = 'x'  bins = 4 /
+&output name = 'line'  kind = 'profile'  count = 3  axis = 'x'  bins = 4 /
 &output name = 'cells'  kind = 'grid'  count = 2 /
 &output name = 'cut'  kind = 'slice'  count = 2  axis = 'z'  at = 4 /
 """.replace("~", "\t").replace("\n&grid", "\r\n&grid")
@@ -104,6 +104,10 @@ def test_all_commands(deck: Path, results: scree.Run, monkeypatch: pytest.Monkey
     others = {"eos", "grains"}                           # of materials and of cells of grains, not of a scene
     assert {*calls} | others == {*COMMANDS}
     said = {name: post(name, *words) for name, words in calls.items()}
+    post("plot", out / "every_profile.csv", "--x", "position", "--y", "density", "--out", mark("line.png"))
+    assert "4 rows" in post("means", out / "every_profile.csv", "--row", 2, "--columns", "mass")
+    with pytest.raises(ScreeError, match=r"choose one by its fragment, --row 1"):
+        post("means", out / "every_fragments.csv")
     for name in ("preview.png", "plot.pdf", "picture.png", "movie.gif", "radiograph.png", "accuracy.png"):
         assert mark(name).stat().st_size > 3000, name
     assert "Stoß $v_0$" in said["info"] and r"\N{x} {0} %s 50 %" in said["info"]

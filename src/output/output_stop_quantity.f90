@@ -5,7 +5,7 @@ module output_stop_quantity
    use base_deck, only: deck_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_text, only: append, closest, text_t
+   use base_text, only: append, brief, closest, text_t
    use io_state, only: state_t
    use output_stream, only: stream_holder_t
    use output_table_stream, only: heading_length, table_stream_t
@@ -29,6 +29,7 @@ module output_stop_quantity
       procedure :: find => stop_quantity_find        !! Find the column
       procedure :: update => stop_quantity_update    !! Take the value of a new row
       procedure :: is_reached => stop_quantity_is_reached !! Compare with the level
+      procedure :: reason => stop_quantity_reason    !! Why the run ended
       procedure :: save => stop_quantity_save        !! Into a checkpoint
       procedure :: load => stop_quantity_load        !! From a checkpoint
    end type stop_quantity_t
@@ -123,6 +124,15 @@ contains
          is_reached = self%value < self%limits%level
       end if
    end function stop_quantity_is_reached
+
+   !> The reason for the end of the run.
+   function stop_quantity_reason(self) result(text)
+      class(stop_quantity_t), intent(in) :: self
+      character(len=:), allocatable :: text
+
+      text = self%name//" = "//brief(self%value)//" is "//merge("above", "below", &
+         self%limits%above)//" stop_level = "//brief(self%limits%level)
+   end function stop_quantity_reason
 
    !> Put the last row into the state of a checkpoint, so that a restart of a run that has ended
    !! ends at once.

@@ -131,8 +131,7 @@ contains
       if (.not. self%finished) then
          self%finished = outputs%stop_quantity%is_reached(simulation%clock%step)
          code = exit_success
-         reason = outputs%stop_quantity%name//" "//merge("above", "below", limits%above)// &
-            " stop_level"
+         reason = outputs%stop_quantity%reason()
       end if
       if (.not. self%finished) return
       self%code = code

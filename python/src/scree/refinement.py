@@ -21,7 +21,7 @@ from . import grids
 from .causes import causes_of
 from .convergence import Verdict, forecast, judge
 from .drawing.look import COLOURS, plain_texts, readable_unit, with_unit
-from .errors import ScreeError
+from .errors import DeckError, ScreeError
 from .launch import Count, deck_file, echo_of, is_text
 from .launch import run as run_deck
 from .plot import label, largest
@@ -146,7 +146,10 @@ def accuracy(deck: str | os.PathLike[str], quantities: str | Measure | Sequence[
     every = grids.choose_parts(grid, factors)
     settings = {key: value for key, value in settings.items() if key not in CHANGED}
     for parts in every:
-        echo_of(found, path, {**settings, **grid.setting(parts)})
+        try:
+            echo_of(found, path, {**settings, **grid.setting(parts)})
+        except DeckError as error:
+            raise DeckError(f"with cells of {grid.size(parts):.4g} m {error}", error.code, error.messages) from error
     check_quantities(path, [name for name in chosen if isinstance(name, str)], {**settings, **grid.setting(every[0])},
                      body, program=found, **options)
 
