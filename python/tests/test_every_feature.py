@@ -155,7 +155,7 @@ def test_all_functions(deck: Path, results: scree.Run) -> None:
     ("gauge.velocity", "did you mean 'gauge.velocity_"), ("fragments.mass", r"as in fragments\[1\].mass"),
     ("gauge[1].velocity_x", "one row for each time"), ("kinetic:often", "after the colon write"),
     ("kinetic:at=1s", "from 0 to t_end"), ("profile[1]", "there is no quantity"),
-    ("front_x:max", "there is no quantity")])
+    ("front_x:max", "there is no quantity"), ("xhi_impulse_x", r"did you mean 'forces\.xhi_impulse_x'\?")])
 def test_unknown_quantities(results: scree.Run, name: str, message: str) -> None:
     """Would catch a mistake in a name that gives a number, or a message that does not say what to write."""
     with pytest.raises(ScreeError, match=message):

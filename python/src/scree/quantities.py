@@ -156,8 +156,9 @@ def choices(run: Run, name: str) -> str:
     columns = [f"{table}.{column}" for table, names in tables.items() for column in names]
     particles = any(key.startswith("particles") for key in run.summary.get("files", {}))
     extents = list(EXTENTS) if particles else []
-    near = nearest(name, [*history, *columns, *numbers(run), *extents]).partition(" (there are")[0]
-    return (f"{near}. There are columns of the history: "
+    near = next((f"; did you mean '{column}'?" for column in columns if column.partition(".")[2] == name),
+                nearest(name, [*history, *columns, *numbers(run), *extents]).partition(" (there are")[0])
+    return (f"{near or '.'} There are columns of the history: "
             + (", ".join(history) or "none, as the deck asks for no history (&output kind='history')")
             + "".join(f"; of {table}: {', '.join(f'{table}.{column}' for column in names)}"
                       for table, names in tables.items())
