@@ -138,8 +138,8 @@ class TestChangedDecks:
         assert run.summary["steps"] % 5 == 0 and 30 < run.summary["steps"] < 100
         self.again(run, "friction=0.2", "friction=0.5", deck=deck, steps=100, expect=3)
         assert "the run is finished" in run.output
-        part = self.run_of(options, "level_part", deck, steps=23)
-        assert part.summary["steps"] == 23
+        part = self.run_of(options, "level_part", deck, steps=25)
+        assert part.summary["steps"] == 25
         part.ranks = 2
         self.again(part, "&run ", "&run ", deck=deck, steps=100)
         assert part.path("_gauge.csv").read_text(encoding="ascii") == table
