@@ -149,6 +149,8 @@ class Snapshot:
     def need(self, *names: str) -> list[Array]:
         """The named fields; an error that names those missing in the file."""
         missing = [name for name in names if name not in self.fields]
+        if missing and "radius" in self.fields:
+            raise FileProblem(f"{self.file} is a cell of grains, not of particles; scree-post grains draws it")
         if missing:
             raise unknown("field", ", ".join(missing), sorted(self.fields),
                           f"{self.file}: write it with &output fields", EXIT_FILE)
