@@ -124,9 +124,11 @@ class TestChangedDecks:
         assert "the run is finished" in run.output
 
     def test_level(self, options):
-        """A run ends with the first row of a table beyond a level, on any ranks and after a restart, and has then ended:
-        would catch a level that is compared with the row before, in the units of the file, or not after a restart."""
-        deck = DECK.replace("t_end=1", "t_end=1  stop_when='above'  stop_quantity='gauge.x'  stop_level=0.30042").replace(
+        """A run ends with the first row of a table beyond a level, on any ranks and after a restart, and has then
+        ended: would catch a level that is compared with the row before, in the units of the file, or not after a
+        restart."""
+        level = "t_end=1  stop_when='above'  stop_quantity='gauge.x'  stop_level=0.30042"
+        deck = DECK.replace("t_end=1", level).replace(
             "&output  name='g'", "&units  output_units='mm-us-mg' /\n&output  name='m'  kind='gauge'  gauge='mean'  "
             "bodies='one'  every=5  fields='velocity' /\n&output  name='g'")
         run = self.run_of(options, "level", deck, steps=100)
