@@ -19,7 +19,7 @@ from scree.drawing.look import readable_unit
 
 @pytest.mark.parametrize(("size", "unit", "factor", "shown"), [
     (2.5e9, "Pa", 1e-9, "GPa"), (4e-6, "s", 1e6, "µs"), (0.02, "m", 1e3, "mm"), (90.0, "m", 1.0, "m"),
-    (5e-4, "1", 1e6, "$10^{-6}$"), (3e7, "1/s", 1e-6, "$10^{6}$ 1/s"), (0.0, "J", 1.0, "J"), (7e3, "m/s", 1e-3, "km/s"),
+    (5e-4, "1", 1e6, "10⁻⁶"), (3e7, "1/s", 1e-6, "10⁶ 1/s"), (0.0, "J", 1.0, "J"), (7e3, "m/s", 1e-3, "km/s"),
     (1000.0, "J", 1e-3, "kJ"), (float("nan"), "Pa", 1.0, "Pa")])
 def test_readable_unit(size: float, unit: str, factor: float, shown: str) -> None:
     """Would catch a prefix that does not belong to the factor: an axis that is wrong by a factor of a thousand."""

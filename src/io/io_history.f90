@@ -23,6 +23,7 @@ module io_history
       integer, private :: key_place = 0                  !! Index of the column "step"
       logical, allocatable, private :: whole(:)          !! (column) Is it of integers?
       type(output_units_t) :: units                      !! Units of the columns
+      real(wp), allocatable :: latest(:)                 !! (column) The last row of `row`, in SI
       character(len=unit_length), allocatable, private :: unit(:) !! (column) Unit of SI
       type(output_file_t), private :: file               !! Open on rank 0
    contains
@@ -132,6 +133,7 @@ contains
       real(wp), intent(in) :: values(:)                  !! (column)
       type(error_t), allocatable, intent(out) :: error   !! Not written, for example on a full disk
 
+      self%latest = values
       if (communicator%rank == 0) &
          call self%file%write(line_of(self, values, 0)//new_line("a"), error)
       call agree(communicator, error)

@@ -13,7 +13,7 @@ module library_interface
    use library_session, only: library_session_t
    use library_text, only: from_c, to_c, words_from_c
    use step_sort_particles, only: count_particles
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, &
       c_int64_t, c_loc, c_null_ptr, c_ptr
    implicit none
    private
@@ -44,6 +44,17 @@ module library_interface
       integer(c_int) :: began_messages = 0           !! 1 = this simulation started MPI
    end type state_t
 
+   !> What a handle points to. It is small and never freed, so that a handle that was closed is
+   !! recognised, and so is, almost certainly, an address of anything else.
+   type :: handle_t
+      integer(int64) :: mark = 0                     !! `valid_mark` and the address of the handle
+      type(library_session_t), pointer :: session => null()
+   end type handle_t
+
+   integer(int64), parameter :: valid_mark = int(z"5C4EE0A7D1B26F93", int64) !! Any number
+   integer(int64), parameter :: least_address = 65536 !! No memory of a process is below
+   integer(int64), parameter :: alignment = 8        !! Of all allocated memory, in bytes
+
 contains
 
    !> Read a deck and make its first state. A handle is returned also with an error, for its
@@ -55,13 +66,15 @@ contains
       integer(c_int), value, intent(in) :: given     !! 1 = use `communicator`, 0 = all ranks
       integer(c_int), value, intent(in) :: communicator !! Fortran handle of MPI
       type(c_ptr), intent(out) :: handle
-      type(library_session_t), pointer :: session
+      type(handle_t), pointer :: place
       type(text_t), allocatable :: arguments(:)
 
-      allocate (session)
-      handle = c_loc(session)
+      allocate (place)
+      allocate (place%session)
+      handle = c_loc(place)
+      place%mark = ieor(valid_mark, transfer(handle, place%mark))
       call words_from_c(words, int(count), arguments)
-      code = int(session%open(arguments, given == 1, int(communicator)), c_int)
+      code = int(place%session%open(arguments, given == 1, int(communicator)), c_int)
    end function scree_open
 
    !> Do steps until a number of them, a time, or the end of the run is reached. Views of fields
@@ -245,10 +258,13 @@ contains
    integer(c_int) function scree_close(handle) bind(c) result(code)
       type(c_ptr), value, intent(in) :: handle
       type(library_session_t), pointer :: session
+      type(handle_t), pointer :: place
 
       code = exit_internal
       call find_session(handle, session)
       if (.not. associated(session)) return
+      call c_f_pointer(handle, place)
+      place%mark = 0
       call session%close()
       deallocate (session)
       code = exit_success
@@ -262,12 +278,17 @@ contains
       code = exit_success
    end function scree_end_messages
 
-   !> The session of a handle; not associated if it is null.
+   !> The session of a handle; not associated if the handle is null, was closed, or is none.
    subroutine find_session(handle, session)
       type(c_ptr), intent(in) :: handle
       type(library_session_t), pointer, intent(out) :: session
+      type(handle_t), pointer :: place
+      integer(int64) :: address
 
       nullify (session)
-      if (c_associated(handle)) call c_f_pointer(handle, session)
+      address = transfer(handle, address)
+      if (address < least_address .or. mod(address, alignment) /= 0) return
+      call c_f_pointer(handle, place)
+      if (place%mark == ieor(valid_mark, address)) session => place%session
    end subroutine find_session
 end module library_interface

@@ -11,6 +11,7 @@ module output_streams
    use io_state, only: state_t
    use output_catalogue, only: choose_stream, stream_names
    use output_schedule, only: read_schedule
+   use output_stop_quantity, only: stop_quantity_t
    use output_stream, only: stream_file, stream_holder_t, stream_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
@@ -25,6 +26,7 @@ module output_streams
       character(len=:), allocatable :: case          !! Beginning of the names of all files
       type(stream_holder_t), allocatable :: streams(:) !! In the order of the deck
       type(snapshot_header_t) :: header              !! Description of the run for every snapshot
+      type(stop_quantity_t) :: stop_quantity         !! Column of a table that ends the run
    contains
       procedure :: plan => outputs_plan              !! Read the streams from the deck
       procedure :: limit => outputs_limit            !! Refuse implausible sizes
@@ -74,6 +76,7 @@ contains
       end do
       if (size(kind) == 0) call plan_default(self, simulation, time_end)
       call share_fragments(self%streams)
+      call self%stop_quantity%find(deck, self%streams, self%case)
    end subroutine outputs_plan
 
    !> Streams of a deck without &output.
@@ -155,6 +158,7 @@ contains
             if (allocated(error)) return
             stream%last_step = simulation%clock%step
          end associate
+         call self%stop_quantity%update(self%streams, n, simulation%clock%step)
       end do
    end subroutine outputs_write_due
 
@@ -253,6 +257,7 @@ contains
          call state%set(counter_name(self, self%streams(n)%item), &
             self%streams(n)%item%counters())
       end do
+      call self%stop_quantity%save(state)
    end subroutine outputs_save
 
    !> Name of the counters of a stream in a checkpoint; another case has the same.
@@ -281,5 +286,6 @@ contains
             call stream%schedule%catch_up(state%time)
          end associate
       end do
+      call self%stop_quantity%load(state)
    end subroutine outputs_load
 end module output_streams

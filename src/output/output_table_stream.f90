@@ -25,6 +25,7 @@ module output_table_stream
       procedure(list_columns_i), deferred :: list_columns !! Names of the columns with units
       procedure(write_rows_i), deferred :: write_rows !! Write the rows of the present time
       procedure :: rows_of_time => table_rows_of_time !! Expected rows of one time
+      procedure :: has_one_row => table_has_one_row      !! One row for each time?
       procedure :: prepare => table_prepare          !! Before the rows of a time
       procedure :: open => table_open                !! Open the file
       procedure :: write => table_write              !! Write rows
@@ -60,6 +61,13 @@ contains
 
       rows = 1.0_wp
    end function table_rows_of_time
+
+   !> True if there is one row for each time, so that a column is a function of time.
+   pure logical function table_has_one_row(self) result(has_one_row)
+      class(table_stream_t), intent(in) :: self
+
+      has_one_row = .true.
+   end function table_has_one_row
 
    !> Prepare to write the rows of a time. By default nothing is done. Collective.
    subroutine table_prepare(self, simulation, note)

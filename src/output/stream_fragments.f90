@@ -26,6 +26,7 @@ module stream_fragments
       procedure :: read => fragments_read            !! Read the keys
       procedure :: offer_fragments => fragments_offer !! For the field `fragment`
       procedure :: list_columns => fragments_list_columns !! Names of columns
+      procedure :: has_one_row => fragments_has_one_row  !! No
       procedure :: write_rows => fragments_write_rows !! Write the rows of a time
    end type stream_fragments_t
 
@@ -86,6 +87,13 @@ contains
 
       if (.not. allocated(fragments)) fragments = self%fragments
    end subroutine fragments_offer
+
+   !> Each time has several rows.
+   pure logical function fragments_has_one_row(self) result(has_one_row)
+      class(stream_fragments_t), intent(in) :: self
+
+      has_one_row = .false.
+   end function fragments_has_one_row
 
    !> Names of the columns with units.
    subroutine fragments_list_columns(self, columns)

@@ -30,6 +30,7 @@ module stream_profile
       procedure :: try_field => profile_try_field    !! Check a name
       procedure :: rows_of_time => profile_rows_of_time !! A row for each bin
       procedure :: list_columns => profile_list_columns !! Names of columns
+      procedure :: has_one_row => profile_has_one_row    !! No
       procedure :: write_rows => profile_write_rows  !! Write the rows of a time
    end type stream_profile_t
 
@@ -108,6 +109,13 @@ contains
 
       rows = real(self%profile%bins, wp)
    end function profile_rows_of_time
+
+   !> Each time has several rows.
+   pure logical function profile_has_one_row(self) result(has_one_row)
+      class(stream_profile_t), intent(in) :: self
+
+      has_one_row = .false.
+   end function profile_has_one_row
 
    !> Names of the columns with units.
    subroutine profile_list_columns(self, columns)

@@ -49,6 +49,7 @@ module program_command
    type :: command_t
       character(len=:), allocatable :: deck              !! Path of the deck
       logical :: check = .false.                         !! Check the deck, compute nothing
+      logical :: echo = .false.                          !! Print the deck with all keys
       logical :: estimate = .true.                       !! A check estimates the run time
       logical :: preview = .false.                       !! Write and draw the first state
       logical :: point = .false.                         !! Drive one material point
@@ -110,6 +111,10 @@ contains
       else if (command%grains .and. (command%point .or. command%preview &
          .or. allocated(command%job%scheduler))) then
          call command_line_error(error, "--grains excludes --point, --preview and --job")
+      else if (command%echo .and. (command%check .or. command%preview .or. command%point &
+         .or. command%grains .or. command%restart .or. allocated(command%job%scheduler))) then
+         call command_line_error(error, "--echo excludes --check, --preview, --point, "// &
+            "--grains, --restart and --job")
       else if (command%check .and. command%restart) then
          call command_line_error(error, "--check and --restart exclude each other")
       else if (command%output%overwrite .and. command%restart) then

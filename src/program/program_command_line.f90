@@ -36,7 +36,8 @@ module program_command_line
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
       option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
       option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value), &
-      option_t("grains  ", " ", nothing), option_t("self-test", " ", nothing)]
+      option_t("grains  ", " ", nothing), option_t("self-test", " ", nothing), &
+      option_t("echo    ", " ", nothing)]
 
 contains
 
@@ -256,8 +257,9 @@ contains
          command%information%help = .true.
       case ("version")
          command%information%version = .true.
-      case ("check", "preview", "point", "grains", "self-test")
+      case ("check", "echo", "preview", "point", "grains", "self-test")
          command%check = command%check .or. option%name == "check"
+         command%echo = command%echo .or. option%name == "echo"
          command%preview = command%preview .or. option%name == "preview"
          command%point = command%point .or. option%name == "point"
          command%grains = command%grains .or. option%name == "grains"

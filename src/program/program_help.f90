@@ -19,6 +19,7 @@ contains
          "  -p, --preview          draw the initial state and walls to OUTDIR_preview"// &
          newline// &
          "      --no-estimate      with --check: omit the estimate of the run time"//newline// &
+         "      --echo             print the deck with the values of all keys in SI"//newline// &
          "  -s, --set G.K=VALUE    replace a value of the deck; --unset G.K removes it"// &
          newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &

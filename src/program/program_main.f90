@@ -132,7 +132,8 @@ contains
       call share_cores()
       call yield_when_waiting(program_arguments())
       associate (command => session%command)
-         if (.not. (command%check .or. command%point .or. allocated(command%job%scheduler))) &
+         if (.not. (command%check .or. command%echo .or. command%point .or. &
+            allocated(command%job%scheduler))) &
             call session%simulation%machine%communicator%start()
          call read_setup(session, error)
          if (allocated(error)) return
@@ -147,7 +148,9 @@ contains
          call build_setup(session, error)
          if (allocated(error)) return
          call limit_threads(session)
-         if (allocated(command%job%scheduler)) then
+         if (command%echo) then
+            write (output_unit, "(a)", advance="no") session%deck%echo()
+         else if (allocated(command%job%scheduler)) then
             call job_text(session, command%deck, text, error)
             if (.not. allocated(error)) write (output_unit, "(a)", advance="no") text
          else if (command%check) then

@@ -33,7 +33,8 @@ contains
          ! a state exactly at the new end of the run is its result; a later state is an error
          ended = len(changes%end) > 0 .and. (simulation%clock%step > limits%max_steps .or. &
             simulation%clock%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
-         if (changes%state() .and. .not. ended) ended = is_finished(simulation, limits)
+         if (changes%state() .and. .not. ended) ended = is_finished(simulation, limits) .or. &
+            setup%outputs%stop_quantity%is_reached(simulation%clock%step)
          ! the last step of a run ends at t_end
          if (.not. (ended .or. simulation%clock%time <= limits%time_end*(1.0_wp + 1.0e-9_wp))) &
             call fail(error, exit_file, note//": its time, "//brief(simulation%clock%time)// &

@@ -64,7 +64,7 @@ contains
       call begin_trust(simulation)
       call write_outputs(simulation, outputs, .false., log, error)
       if (allocated(error)) return
-      call test_criteria(self, simulation, limits)
+      call test_criteria(self, simulation, outputs, limits)
    end subroutine time_loop_begin
 
    !> Do one step, write the outputs due after it, and test whether it was the last one. Without an
@@ -94,7 +94,7 @@ contains
       if (self%clock%is_checkpoint_due(simulation, limits)) &
          call write_logged_checkpoint(simulation, outputs, place, log, self%clock, error)
       if (allocated(error)) return
-      call test_criteria(self, simulation, limits)
+      call test_criteria(self, simulation, outputs, limits)
    end subroutine time_loop_step
 
    !> Advance the simulation by a step of the stable length, and check the result.
@@ -121,14 +121,20 @@ contains
    end subroutine advance_once
 
    !> Test whether the run ends with the present state. Called once for each state.
-   subroutine test_criteria(self, simulation, limits)
+   subroutine test_criteria(self, simulation, outputs, limits)
       class(time_loop_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
+      type(outputs_t), intent(in) :: outputs         !! With the quantity of `stop_when`
       type(limits_t), intent(in) :: limits
       character(len=:), allocatable :: reason
       integer :: code
 
       call self%criteria%test(simulation, limits, self%finished, code, reason)
+      if (.not. self%finished) then
+         self%finished = outputs%stop_quantity%is_reached(simulation%clock%step)
+         code = exit_success
+         reason = outputs%stop_quantity%reason()
+      end if
       if (.not. self%finished) return
       self%code = code
       self%reason = reason

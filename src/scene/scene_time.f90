@@ -25,6 +25,9 @@ module scene_time
       real(wp) :: kinetic_below = -1.0_wp            !! It ends at a kinetic energy below this [J]
       real(wp) :: rest_below = -1.0_wp               !! ... below this fraction of the greatest [1]
       real(wp) :: unbalanced_below = -1.0_wp         !! ... below this ratio of forces [1]
+      character(len=:), allocatable :: quantity      !! ... at a level of this TABLE.COLUMN
+      real(wp) :: level = 0.0_wp                     !! Level of the quantity [unit of the column]
+      logical :: above = .false.                     !! Does it end above the level?
    end type time_limits_t
 
 contains
@@ -69,13 +72,18 @@ contains
          "the end of the job; then a checkpoint is written and the exit code is 75", default="none")
       call schema%text("time", "stop_when", "condition for an early end, with stop_value: "// &
          "kinetic_below, low kinetic energy; at_rest, low kinetic energy relative to its "// &
-         "maximum; balanced, forces in balance", default="never", &
-         words="never kinetic_below at_rest balanced")
+         "maximum; balanced, forces in balance; above and below, stop_quantity above or below "// &
+         "stop_level", default="never", words="never kinetic_below at_rest balanced above below")
       call schema%real("time", "stop_value", "threshold: kinetic_below: energy in J; at_rest: "// &
          "fraction of the greatest kinetic energy; balanced: unbalanced force over the force "// &
          "of stress", range="> 0", owner="stop_when = kinetic_below at_rest balanced")
-      call schema%require("time", "t_end stop_value")
-      call schema%allow_change("time", "t_end max_steps stop_when stop_value", changes_end)
+      call schema%text("time", "stop_quantity", "column of a table that an &output of the deck "// &
+         "writes, as TABLE.COLUMN: gauge.velocity_x", owner="stop_when = above below")
+      call schema%real("time", "stop_level", "level of stop_quantity in the unit of the "// &
+         "column in SI", owner="stop_when = above below")
+      call schema%require("time", "t_end stop_value stop_quantity stop_level")
+      call schema%allow_change("time", "t_end max_steps stop_when stop_value "// &
+         "stop_quantity stop_level", changes_end)
       call schema%allow_change("time", "dt_min dt_collapse speed_max volume_ratio_min "// &
          "volume_ratio_max on_bad retire_max", changes_extent)
       call schema%allow_change("time", "cfl dt_max dt_fixed strain_max retry", changes_physics)
@@ -164,5 +172,10 @@ contains
       if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
       if (word == "at_rest") call group%get("stop_value", limits%rest_below)
       if (word == "balanced") call group%get("stop_value", limits%unbalanced_below)
+      limits%quantity = ""
+      limits%above = word == "above"
+      if (.not. (limits%above .or. word == "below")) return
+      call group%get("stop_quantity", limits%quantity)
+      call group%get("stop_level", limits%level)
    end subroutine read_time_limits
 end module scene_time

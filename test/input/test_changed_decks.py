@@ -123,6 +123,30 @@ class TestChangedDecks:
         self.again(run, "friction=0.2", "friction=0.5", deck=deck, steps=100, expect=3)
         assert "the run is finished" in run.output
 
+    def test_level(self, options):
+        """A run ends with the first row of a table beyond a level, on any ranks and after a restart, and has then
+        ended: would catch a level that is compared with the row before, in the units of the file, or not after a
+        restart."""
+        level = "t_end=1  stop_when='above'  stop_quantity='gauge.x'  stop_level=0.30042"
+        deck = DECK.replace("t_end=1", level).replace(
+            "&output  name='g'", "&units  output_units='mm-us-mg' /\n&output  name='m'  kind='gauge'  gauge='mean'  "
+            "bodies='one'  every=5  fields='velocity' /\n&output  name='g'")
+        run = self.run_of(options, "level", deck, steps=100)
+        assert run.summary["reason"].endswith(" is above stop_level = 0.30042"), run.summary["reason"]
+        table = run.path("_gauge.csv").read_text(encoding="ascii")
+        place = table.split("\n", 1)[0].split(",").index("x [mm]")
+        before, last = (float(line.split(",")[place]) for line in table.splitlines()[-2:])
+        assert before <= 300.42 < last, (before, last)
+        assert run.summary["steps"] % 5 == 0 and 30 < run.summary["steps"] < 100
+        self.again(run, "friction=0.2", "friction=0.5", deck=deck, steps=100, expect=3)
+        assert "the run is finished" in run.output
+        part = self.run_of(options, "level_part", deck, steps=25)
+        assert part.summary["steps"] == 25
+        part.ranks = 2
+        self.again(part, "&run ", "&run ", deck=deck, steps=100)
+        assert part.path("_gauge.csv").read_text(encoding="ascii") == table
+        assert part.summary["digest"] == run.summary["digest"]
+
     def test_no_older_one(self, options):
         """A newer checkpoint of another deck is not skipped in favour of an older one that fits."""
         run = self.run_of(options, "mixed")

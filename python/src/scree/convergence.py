@@ -24,7 +24,7 @@ class Verdict:
 
     kind: str                            # monotone, oscillating, not converging, does not change
     order: float                         # observed, NaN without one
-    limit: float                         # extrapolated value, NaN where changes grow
+    limit: float | None                  # extrapolated value, None where there is none
     error: float                         # bound of the error of the finest run
     safety: float                        # its safety factor
 
@@ -58,10 +58,10 @@ def judge(sizes: Sequence[float], values: Sequence[float]) -> Verdict:
     if abs(last) <= UNCHANGED * max(map(abs, values)):
         return Verdict("does not change", math.nan, fine, CAUTIOUS * spread, CAUTIOUS)
     if first * last <= 0.0:
-        return Verdict("oscillating", math.nan, fine, CAUTIOUS * spread, CAUTIOUS)
+        return Verdict("oscillating", math.nan, None, CAUTIOUS * spread, CAUTIOUS)
     order = observed_order(first, last, ratio_fine, ratio_coarse)
     if order <= 0.05:
-        return Verdict("not converging", order, math.nan, math.inf, CAUTIOUS)
+        return Verdict("not converging", order, None, math.inf, CAUTIOUS)
     safety = SAFE if EXPECTED[0] <= order <= EXPECTED[1] else CAUTIOUS
     gain = last / (ratio_fine ** min(order, EXPECTED[1]) - 1.0)
     return Verdict("monotone", order, fine - gain, safety * abs(gain), safety)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The groups of the echo of the deck, which every file of a run contains in SI."""
+"""The echo of a deck: all keys and their values in SI. Only the program reads decks; this module reads its echo, which
+every file of a run contains and `scree --echo` prints."""
 from __future__ import annotations
 
 import functools

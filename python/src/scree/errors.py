@@ -120,6 +120,14 @@ def unknown(kind: str, name: object, known: Iterable[object], where: str = "",
     return ScreeError(f"{place}no {kind} '{name}'{nearest(name, known)}", code)
 
 
+def decoded(text: bytes) -> str:
+    """A text in UTF-8, or in Latin-1, in which all bytes are characters."""
+    try:
+        return text.decode("utf-8")
+    except UnicodeDecodeError:
+        return text.decode("latin-1")
+
+
 def readable(path: str) -> str:
     """The path itself if it is a readable file."""
     if not os.path.exists(path):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Arrays of numpy in the memory of a simulation, which cannot be used after that memory has changed."""
+"""Fields of a simulation as arrays of numpy, which cannot be used after the simulation has changed."""
 from __future__ import annotations
 
 from typing import Any, Protocol
@@ -21,11 +21,12 @@ _HARMLESS = frozenset(("base", "shape", "dtype", "ndim", "size", "itemsize", "nb
 
 
 class FieldView(np.ndarray[Any, Any]):
-    """A field of the particles of this rank, without a copy; valid until the next step.
+    """A field of the particles of this rank, valid until the next step, which uses the values written into it.
 
     It is an array of numpy. Using it or parts of it after a further step of the simulation raises StaleView. Copies,
     results of calculations and parts selected by a mask or a list are ordinary arrays and remain valid.
-    `numpy.asarray(view)` is an ordinary array in the same memory without this check.
+    `numpy.asarray(view)` is an ordinary array in the same memory without this check: after a step its values are old,
+    and changes of it have no effect.
     """
 
     _owner: Owner | None = None
@@ -84,9 +85,8 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def view_of(memory: np.ndarray[Any, Any], owner: Owner, writable: bool) -> FieldView:
+def view_of(memory: np.ndarray[Any, Any], owner: Owner) -> FieldView:
     """A view that checks the validity with its owner."""
     view = memory.view(FieldView)
     view._owner, view._generation = owner, owner.generation
-    view.flags.writeable = writable
     return view

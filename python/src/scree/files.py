@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from . import units as units_of
-from .errors import EXIT_FILE, FileProblem, modules, readable, unknown
+from .errors import EXIT_FILE, FileProblem, decoded, modules, readable, unknown
 
 if TYPE_CHECKING:
     from .arrays import Array
@@ -96,7 +96,7 @@ def text(value: Any) -> Any:
     while isinstance(value, (list, tuple)) and len(value) == 1:
         value = value[0]
     if isinstance(value, bytes):
-        value = value.decode("utf-8", "replace")
+        value = decoded(value)
     return value.strip("\0 ") if isinstance(value, str) else value
 
 
@@ -149,6 +149,8 @@ class Snapshot:
     def need(self, *names: str) -> list[Array]:
         """The named fields; an error that names those missing in the file."""
         missing = [name for name in names if name not in self.fields]
+        if missing and "radius" in self.fields:
+            raise FileProblem(f"{self.file} is a cell of grains, not of particles; scree-post grains draws it")
         if missing:
             raise unknown("field", ", ".join(missing), sorted(self.fields),
                           f"{self.file}: write it with &output fields", EXIT_FILE)
@@ -215,7 +217,7 @@ def header(handle: Any, file: str, own_units: bool = False) -> Snapshot:
         record = handle["provenance"]
         snap.provenance = {k: text(v) for k, v in record.attrs.items()}
         if "deck_echo" in record:
-            snap.echo = bytes(record["deck_echo"][...]).decode("utf-8", "replace")
+            snap.echo = decoded(bytes(record["deck_echo"][...]))
     snap.provenance.setdefault("dimension", "3d")
     if snap.dimension not in DIMENSIONS:
         raise FileProblem(f"{file}: unknown dimension '{snap.dimension}' in /provenance")

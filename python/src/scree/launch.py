@@ -10,11 +10,12 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import IO, Any
 
-from .errors import DeckError, FileProblem, error_of_run
+from .errors import DeckError, FileProblem, decoded, error_of_run, readable
 from .program import find_program
 from .results import Run
 
@@ -60,7 +61,7 @@ def deck_file(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | Non
     path = Path(outdir) / "deck.nml"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        if path.exists() and not overwrite and path.read_text(encoding="utf-8") != deck:
+        if path.exists() and not overwrite and decoded(path.read_bytes()) != deck:
             raise FileProblem(f"{path} holds another deck: replace it by overwrite=True, or choose another outdir")
         path.write_text(str(deck), encoding="utf-8")
     except OSError as error:
@@ -77,6 +78,37 @@ def progress_bar(*arguments: Any, **options: Any) -> Any:
     """A bar of tqdm: widgets in a notebook where they are installed, otherwise characters."""
     widgets = "ipykernel" in sys.modules and importlib.util.find_spec("ipywidgets")
     return importlib.import_module("tqdm.notebook" if widgets else "tqdm").tqdm(*arguments, **options)
+
+
+class Count:
+    """Progress of a study: a bar on a terminal and in a notebook, otherwise a line on standard error for each run, so
+    that a file of the output shows it as well."""
+
+    def __init__(self, total: int, label: str, shown: bool = True, leave: bool = False, lines: bool = True) -> None:
+        self._done, self._total, self._label, self._begin = 0, total, label, time.monotonic()
+        self._bar: Any = progress_bar(total=total, desc=label, leave=leave) if shown and bar_is_seen() else None
+        self._lines = lines and shown and self._bar is None
+
+    def __enter__(self) -> Count:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+    def clear(self) -> None:
+        """Remove the bar, so that following output is not mixed with it."""
+        if self._bar is not None:
+            self._bar.clear()
+
+    def update(self) -> None:
+        """A further run has ended."""
+        self._done += 1
+        if self._bar is not None:
+            self._bar.update()
+        if self._lines:
+            print(f"{self._label}: {self._done} of {self._total} runs, {time.monotonic() - self._begin:.0f} s",
+                  file=sys.stderr, flush=True)
 
 
 class Progress:
@@ -167,6 +199,20 @@ def options_of(settings: Mapping[str, Any], case: str | None, outdir: str | os.P
     words = [word for key, value in settings.items() for word in ("--set", f"{key}={deck_value(value)}")]
     words += ["--case", case] if case else []
     return words + (["--outdir", os.fspath(outdir)] if outdir is not None else [])
+
+
+def echo_of(program: str, deck: str | os.PathLike[str], settings: Mapping[str, Any]) -> str:
+    """The echo of a deck with settings. Raises the errors that `scree --check` reports."""
+    words = [program, "--echo", *options_of(settings, None, None), "--", readable(os.fspath(deck))]
+    try:
+        answer = subprocess.run(words, capture_output=True, check=False)
+    except OSError as error:
+        raise FileProblem(f"cannot start {program}: {error.strerror}") from error
+    said, problems = map(decoded, (answer.stdout, answer.stderr))
+    if answer.returncode:
+        raise error_of_run(answer.returncode, ["the deck is not accepted:",
+                                               *(said + problems).strip().splitlines()[-40:]])
+    return said
 
 
 def run(deck: str | os.PathLike[str], set: Mapping[str, Any] | None = None, *, ranks: int = 1, threads: int = 1,

@@ -19,7 +19,7 @@ NAME = "libscree.so"
 LOADER = "/lib64/ld-linux-x86-64.so.2"
 TEXT_MESSAGE, TEXT_FOLDER, TEXT_CASE, TEXT_REASON, TEXT_CONTROLS, TEXT_STORE, TEXT_FIELDS = range(7)
 #: MPI and HDF5 are used from one thread at a time.
-LOCK = threading.Lock()
+LOCK = threading.RLock()
 
 
 class State(ctypes.Structure):

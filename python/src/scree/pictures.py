@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Union
 
 from . import files
 from .drawing import page
+from .drawing.look import plain_texts
 from .drawing.radiograph_page import Picture
 from .errors import FileProblem
 from .results import Run
@@ -46,9 +47,9 @@ def picture(source: Source, colour: str | None = None, *, time: float | None = N
     """Particles coloured by a field: in 3-D as shaded spheres, in two dimensions at their size in the plane.
 
     `source` is a run, a snapshot, or the path of a series; `time` [s] selects the nearest snapshot, by default the
-    last. `colour` is a field, a component such as velocity.z, x, y, z, body or fragment_size; by default the size of
-    fragments if there are any, otherwise the speed. `limits` are the ends of the colour bar and `view` left, right,
-    bottom and top of the window, in SI. `camera` is x, y, z, corner, or azimuth and elevation [deg] in three
+    last. `colour` is a field, a component such as velocity.z, speed, x, y, z, body or fragment_size; by default the
+    size of fragments if there are any, otherwise the speed. `limits` are the ends of the colour bar and `view` left,
+    right, bottom and top of the window, in SI. `camera` is x, y, z, corner, or azimuth and elevation [deg] in three
     dimensions, `up` the axis that points up. Further options are those of scree-post picture: bodies, hide_failed,
     keep, map, no_mirror, no_walls, title, zoom and dpi (of the image of spheres).
     """
@@ -57,7 +58,7 @@ def picture(source: Source, colour: str | None = None, *, time: float | None = N
     chosen = page.options(colour=colour, range=limits, view=view, camera=words, up=up, **options)
     with matplotlib.rc_context():                        # settings of the caller are not changed
         figure, _ = page.picture(file_of(source, time), chosen)
-    return figure
+    return plain_texts(figure)
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ class Radiograph:
         towards = -1.0 if self.speed < 0.0 else 1.0
         options = {"mu": absorption, "unit": unit, "towards": towards, "view": None}
         with matplotlib.rc_context():                    # settings of the caller are not changed
-            return Picture([self._frame], self._title, options).draw()
+            return plain_texts(Picture([self._frame], self._title, options).draw())
 
 
 def radiograph(source: Source, *, time: float | None = None, pixel: float | None = None, sight: str = "y",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from .drawing.look import COLOURS, readable_unit, with_unit, words
+from .drawing.look import COLOURS, plain_texts, readable_unit, with_unit, words
 from .errors import nearest
 from .results import Run
 from .snapshot import Snapshot
@@ -95,7 +95,7 @@ def columns_of(tables: Mapping[str, pandas.DataFrame], names: Sequence[str], *, 
         if len(group) * len(several) > 1:
             axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0, frameon=False)
     cells[-1, 0].set_xlabel(label(x, unit_x))
-    return figure
+    return plain_texts(figure)
 
 
 def history(runs: Run | Sequence[Run], columns: str | Sequence[str] = ENERGIES, table: str = "history", *,
@@ -131,13 +131,16 @@ def field(snapshot: Snapshot, name: str, *, axes: Axes | None = None, limits: tu
           colour_map: str | None = None, mirror: bool = True) -> Figure:
     """Particles of a run in two dimensions, coloured by a field and drawn as squares of their volume.
 
-    `name` is a field, a component such as stress_zz, or a vector, whose length is shown. `limits` are the ends of the
-    colour bar in SI. Axisymmetric runs show both halves of their plane unless `mirror` is False. Colours are those of a
-    diverging map where the numbers change their sign. In one dimension the field is drawn over x.
+    `name` is a field, a component such as stress_zz, or a vector, whose length is shown; speed is that of the velocity.
+    `limits` are the ends of the colour bar in SI. Axisymmetric runs show both halves of their plane unless `mirror` is
+    False. Colours are those of a diverging map where the numbers change their sign. In one dimension the field is drawn
+    over x.
     """
     if snapshot.dimension == "3d":
         raise ValueError("a run in three dimensions: use snapshot.along with plot.line, snapshot.to_pyvista, or the "
                          "command scree-post picture")
+    if name == "speed" and name not in snapshot:
+        name = "velocity"
     values = snapshot[name].astype(np.float64)
     if values.ndim == 2:
         if values.shape[1] != 3:

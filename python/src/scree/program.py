@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -48,6 +49,14 @@ def version_of(program: str) -> str:
     except (OSError, subprocess.CalledProcessError) as error:
         raise FileProblem(f"{program} does not print its version; is it scree?") from error
     return answer.stdout.strip()
+
+
+def key_unit(program: str, key: str) -> str:
+    """Unit in SI of a key such as body[ball].velocity, empty without one."""
+    words = [program, "--explain", re.sub(r"\[.*?\]", "", key)]
+    said = subprocess.run(words, capture_output=True, text=True, check=False).stdout
+    found = re.search(r"^ *unit: ([^,\n]+)", said, re.M)
+    return found.group(1) if found else ""
 
 
 def cores() -> int:

@@ -9,9 +9,7 @@
 """
 from __future__ import annotations
 
-import math
 import os
-import subprocess
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -20,16 +18,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import grids
+from .causes import causes_of
 from .convergence import Verdict, forecast, judge
-from .drawing.look import COLOURS
-from .errors import ScreeError, error_of_run
-from .launch import deck_file, is_text, options_of, progress_bar
+from .drawing.look import COLOURS, plain_texts, readable_unit, with_unit
+from .errors import DeckError, ScreeError
+from .launch import Count, deck_file, echo_of, is_text
 from .launch import run as run_deck
-from .plot import label
+from .plot import label, largest
 from .program import find_program
-from .quantities import unit_of, value_of
+from .quantities import check_quantities, unit_of, value_of
 from .results import Run
-from .units import si_unit
 
 if TYPE_CHECKING:
     import pandas
@@ -49,19 +47,19 @@ class Accuracy:
     """Runs of a deck on several grids and the convergence of each quantity, in SI."""
 
     grid: grids.Grid
-    sizes: list[float]                   # edges of cells, coarse first, in the unit of the deck
+    sizes: list[float]                   # edges of cells [m], coarse first
     table: pandas.DataFrame              # cell_size, factor, particles, steps, core_seconds, and the quantities
     verdicts: dict[str, Verdict]         # by quantity
     units: dict[str, str]                # by quantity
     folders: list[Path] = field(default_factory=list)
+    causes: list[str] = field(default_factory=list)      # in the deck, of results that depend on the size of cells
 
     def cost(self, quantity: str, tolerance: float) -> tuple[float, float] | None:
         """Cells [m] and core-seconds for an error within a tolerance; None without an order."""
-        sizes, seconds = (self.table[name].tolist() for name in ("cell_size", "core_seconds"))
-        verdict = self.verdicts[quantity]
+        seconds, verdict = self.table["core_seconds"].tolist(), self.verdicts[quantity]
         if verdict.error <= tolerance:
-            return float(sizes[-1]), float(seconds[-1])
-        return forecast(sizes, seconds, verdict, tolerance, len(self.grid.axes))
+            return self.sizes[-1], float(seconds[-1])
+        return forecast(self.sizes, seconds, verdict, tolerance, len(self.grid.axes))
 
     def plot(self, names: Mapping[str, Accuracy] | None = None) -> Figure:
         """Values against the size of cells with the extrapolated value at 0, and errors against cost.
@@ -71,34 +69,34 @@ class Accuracy:
         import matplotlib.pyplot as pyplot
         from matplotlib.ticker import NullFormatter
         results = dict(names or {"deck": self})
+        factor, unit = readable_unit(max(self.sizes), "m")
         figure, panels = pyplot.subplots(len(self.verdicts), 2, figsize=(9.0, 3.4 * len(self.verdicts)), squeeze=False,
                                          layout="constrained")
         for (left, right), quantity in zip(panels, self.verdicts):
+            size = max(largest(result.table[quantity]) for result in results.values())
+            scale, shown = readable_unit(size, self.units[quantity])
             for colour, (name, result) in zip(COLOURS * len(results), results.items()):
                 verdict, values = result.verdicts[quantity], result.table[quantity]
-                left.plot(result.sizes, values, "o-", color=colour, ms=4, label=name)
-                if math.isfinite(verdict.limit):
-                    left.errorbar([0.0], [verdict.limit], yerr=verdict.error, fmt="s", ms=4, color=colour, capsize=3)
-                if verdict.kind == "monotone":
-                    right.plot(result.table["core_seconds"], (values - verdict.limit).abs(), "o-", color=colour, ms=4)
-            left.set(xlabel=f"edge of a cell [{self.grid.unit}]", ylabel=label(quantity, self.units[quantity]))
-            left.legend(title="at 0: extrapolated", fontsize=9, title_fontsize=9)
+                left.plot([factor * size for size in result.sizes], scale * values, "o-", color=colour, ms=4,
+                          label=name)
+                if verdict.limit is not None:
+                    left.errorbar([0.0], [scale * verdict.limit], yerr=scale * verdict.error, fmt="s", ms=4,
+                                  color=colour, capsize=3)
+                if verdict.limit is not None and verdict.kind == "monotone":
+                    right.plot(result.table["core_seconds"], scale * (values - verdict.limit).abs(), "o-",
+                               color=colour, ms=4)
+            left.set(xlabel=f"edge of a cell [{unit}]", ylabel=label(quantity, shown))
+            if any(result.verdicts[quantity].limit is not None for result in results.values()):
+                left.legend(title="at 0: extrapolated", fontsize=9, title_fontsize=9)
             if not right.lines:
                 right.axis("off")
                 right.text(0.5, 0.5, f"{self.verdicts[quantity].kind}: no order", ha="center")
                 continue
-            right.set(xscale="log", yscale="log", xlabel="core-seconds", ylabel="distance to the extrapolated value")
+            right.set(xscale="log", yscale="log", xlabel="core-seconds",
+                      ylabel=with_unit("distance to the extrapolated value", shown))
             for axis in (right.xaxis, right.yaxis):
                 axis.set_minor_formatter(NullFormatter())
-        return figure
-
-
-def check(program: str, deck: Path, settings: Mapping[str, Any]) -> None:
-    """Raise the errors that `scree --check` reports, which costs nothing compared with a run."""
-    words = [program, "--check", "--no-estimate", *options_of(settings, None, None), os.fspath(deck)]
-    answer = subprocess.run(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
-    if answer.returncode:
-        raise error_of_run(answer.returncode, ["the deck is not accepted:", *answer.stdout.strip().splitlines()[-40:]])
+        return plain_texts(figure)
 
 
 def measured(run: Run, quantities: Iterable[str | Measure], body: str | None, percentile: float
@@ -122,9 +120,10 @@ def accuracy(deck: str | os.PathLike[str], quantities: str | Measure | Sequence[
              program: str | os.PathLike[str] | None = None, progress: bool = True, **options: Any) -> Accuracy:
     """Run a deck with cells of several sizes and estimate the accuracy of numbers of it.
 
-    quantities  functions of a Run that return a number or numbers by name, or names: a column of the history (its last
-                row; kinetic:max, kinetic:at=5us), a number of the summary (ledger.energy_error), or an extent of the
-                particles of the last snapshot (length, radius, front_z)
+    quantities  functions of a Run that return a number or numbers by name, or names: a column of the history or of
+                another table (its last row; kinetic:max, gauge.velocity_x:at=5us, fragments[1].mass), a number of the
+                summary (ledger.energy_error), or an extent of the particles of the last snapshot (length, radius,
+                front_z); unknown names are errors before the first run
     factors     sizes of cells over those of the deck, three or more; moved to the nearest that fit
     set         values of keys, as for scree.run
     body        extents of the particles of this body only
@@ -142,11 +141,17 @@ def accuracy(deck: str | os.PathLike[str], quantities: str | Measure | Sequence[
     base = Path("out") / f"accuracy_{name}" if outdir is None else Path(outdir)
     path, found = deck_file(deck, base, True), find_program(program)
     settings = {**(set or {}), "checkpoint.at_end": False}
-    grid = grids.read_grid(os.fspath(path), settings)
+    echo = echo_of(found, path, settings)
+    grid = grids.grid_of(echo)
     every = grids.choose_parts(grid, factors)
     settings = {key: value for key, value in settings.items() if key not in CHANGED}
     for parts in every:
-        check(found, path, {**settings, **grid.setting(parts)})
+        try:
+            echo_of(found, path, {**settings, **grid.setting(parts)})
+        except DeckError as error:
+            raise DeckError(f"with cells of {grid.size(parts):.4g} m {error}", error.code, error.messages) from error
+    check_quantities(path, [name for name in chosen if isinstance(name, str)], {**settings, **grid.setting(every[0])},
+                     body, program=found, **options)
 
     def one(parts: int) -> tuple[dict[str, Any], dict[str, str], Run]:
         name = f"accuracy_{label or 'deck'}_{parts}"
@@ -155,22 +160,19 @@ def accuracy(deck: str | os.PathLike[str], quantities: str | Measure | Sequence[
             run = run_deck(path, {**settings, **grid.setting(parts)}, outdir=base / name, case=name, progress=False,
                            overwrite=True, program=found, **options)
         except ScreeError as error:
-            words = f"the run with cells of {size:.4g} {grid.unit} ended with exit code {error.code}:\n{error}"
+            words = f"the run with cells of {size:.4g} m ended with exit code {error.code}:\n{error}"
             raise type(error)(words, error.code, error.messages, error.folder) from error
         values, units = measured(run, chosen, body, percentile)
         summary = run.summary
-        return {"cell_size": size * 10.0 ** si_unit(grid.unit)[1], "factor": grid.common / parts,
+        return {"cell_size": size, "factor": grid.common / parts,
                 "particles": summary["particles"], "steps": summary["steps"], "core_seconds": summary["processor_s"],
                 "mass": summary["ledger"]["start"]["mass"], **values}, units, run
 
-    # the coarsest run is first, and shows whether these numbers exist
-    with progress_bar(total=len(every), desc="accuracy", disable=None if progress else True) as bar:
-        results = [one(every[0])]
-        bar.update()
-        with ThreadPoolExecutor(jobs) as pool:
-            for result in pool.map(one, every[1:]):
-                results.append(result)
-                bar.update()
+    with Count(len(every), "accuracy", progress) as bar, ThreadPoolExecutor(jobs) as pool:
+        results = []
+        for result in pool.map(one, every):
+            results.append(result)
+            bar.update()
     table = pandas.DataFrame([row for row, _, _ in results])
     masses = table.pop("mass")
     if masses.max() - masses.min() > UNEQUAL_MASS * masses.max():
@@ -182,4 +184,4 @@ def accuracy(deck: str | os.PathLike[str], quantities: str | Measure | Sequence[
     sizes = [grid.size(parts) for parts in every]
     verdicts = {name: judge(sizes[-3:], table[name].tolist()[-3:]) for name in units}
     table.attrs["units"] = {"cell_size": "m", "core_seconds": "s", **units}
-    return Accuracy(grid, sizes, table, verdicts, units, [Path(run.folder) for _, _, run in results])
+    return Accuracy(grid, sizes, table, verdicts, units, [Path(run.folder) for _, _, run in results], causes_of(echo))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import files
-from .errors import FileProblem, nearest, readable
+from .errors import FileProblem, decoded, nearest, readable
 from .snapshot import Snapshots
 
 if TYPE_CHECKING:
@@ -91,9 +91,7 @@ class Run:
     def deck(self) -> Any:
         """The deck with all keys and their values, in SI, as a namelist of f90nml. Repeated groups are lists."""
         import f90nml
-        path = self.path(".echo.nml")
-        readable(str(path))
-        return f90nml.read(path)
+        return f90nml.reads(text_of(self.path(".echo.nml")))
 
     @cached_property
     def summary(self) -> dict[str, Any]:
@@ -168,9 +166,9 @@ class Run:
 
 
 def text_of(path: Path) -> str:
-    """A text file."""
+    """A text file, in UTF-8 or, as an older editor writes a title, in Latin-1."""
     try:
-        return Path(readable(str(path))).read_text(encoding="utf-8")
+        return decoded(Path(readable(str(path))).read_bytes())
     except OSError as error:
         raise FileProblem(f"cannot read {path}: {error.strerror}") from error
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import ctypes
 import math
+import operator
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import TracebackType
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from . import library as binding
-from .errors import DeckError, error_of_run, nearest
+from .errors import DeckError, decoded, error_of_run, nearest
 from .field_view import FieldView, view_of
 from .launch import deck_file, options_of
 from .results import Run
@@ -24,8 +25,9 @@ _ALL = 2**62                                             # more steps than a run
 class Fields(Mapping[str, FieldView]):
     """Fields of the particles of one material on this rank, by name.
 
-    `fields["velocity"]` is a view (n, 3) without a copy, valid until the next step. `fields["velocity"] = values`
-    changes the field. Identities, positions and masses are read-only. All values are in SI.
+    `fields["velocity"]` is an array (n, 3), valid until the next step, which uses the values written into it.
+    `fields["velocity"] = values` changes the field. Identities, positions and masses are read-only. All values are in
+    SI.
     """
 
     def __init__(self, simulation: Simulation, index: int) -> None:
@@ -117,22 +119,31 @@ class Simulation:
     options    further options of the program
     library    the file of libscree, by default that beside the program
 
-    All functions that change the run are called by all ranks. Errors are those of scree.run.
+    All functions that change the run are called by all ranks. Errors are those of scree.run. A simulation cannot be
+    copied, pickled, or used in a child process that was forked.
     """
+
+    _handle: ctypes.c_void_p | None = None               # None also if the constructor has failed
 
     def __init__(self, deck: str | os.PathLike[str], set: Mapping[str, Any] | None = None, *,
                  outdir: str | os.PathLike[str] | None = None, case: str | None = None, comm: Any = None,
                  restart: bool = False, overwrite: bool = False, quiet: bool = True, options: Iterable[str] = (),
                  library: str | os.PathLike[str] | None = None) -> None:
-        self._handle: ctypes.c_void_p | None = None
+        if self._handle is not None:
+            raise DeckError("this simulation is open; create another one")
+        self._process = os.getpid()
+        self._arrays: dict[tuple[int, str], np.ndarray[Any, Any]] = {}     # requested since the last step
+        self._shown = 0                                  # their generation
         self._state = binding.State()
         self._run: Run | None = None
         self._library = binding.load(binding.find_library(library))
         words = [*options_of(set or {}, case, outdir), *options]
         words += ["--quiet"] * quiet + ["--restart"] * restart + ["--overwrite"] * overwrite
         words += ["--", os.fspath(_place_deck(deck, outdir, overwrite, comm))]
-        if any("\0" in word for word in words):
+        if any("\0" in str(word) for word in words):
             raise DeckError("an option holds a null character")
+        if comm is not None and comm.Is_inter():
+            raise DeckError("comm is an intercommunicator; a run needs the ranks of one group")
         self._open(words, comm)
         self.stores: Sequence[Fields] = tuple(Fields(self, index) for index in range(self._state.stores))
         self.controls = Controls(self)
@@ -156,13 +167,20 @@ class Simulation:
 
     def _call(self, name: str, *arguments: Any) -> None:
         """Call a function of the library; an exit code other than 0 raises an error."""
+        with binding.LOCK:
+            code = getattr(self._library, name)(self._open_handle(), *arguments)
+            self._update()
+            if code:
+                raise self._error(code)
+
+    def _open_handle(self) -> ctypes.c_void_p:
+        """The handle of a simulation that is open in this process."""
         if self._handle is None:
             raise DeckError("the simulation is closed; create a new one")
-        with binding.LOCK:
-            code = getattr(self._library, name)(self._handle, *arguments)
-        self._update()
-        if code:
-            raise self._error(code)
+        if self._process != os.getpid():
+            raise DeckError("this process was forked from that of the simulation, whose threads and files it lacks; "
+                            "call the simulation in its own process, or start the child with the method 'spawn'")
+        return self._handle
 
     def _error(self, code: int) -> Exception:
         """The error of an exit code, with the message of the library."""
@@ -174,21 +192,55 @@ class Simulation:
 
     def _text(self, what: int, index: int = 0) -> str:
         with binding.LOCK:
-            text: bytes = self._library.scree_text(self._handle, what, index)
-        return text.decode("utf-8", "replace")
+            text: bytes | None = self._library.scree_text(self._open_handle(), what, index)
+        return decoded(text or b"")
 
-    def _field(self, index: int, name: str) -> FieldView:
-        """The view of a field."""
+    def _memory(self, index: int, name: str) -> tuple[np.ndarray[Any, Any], bool]:
+        """The memory of a field in the simulation, and whether it may be changed. It is valid until the next call."""
         memory = binding.Memory()
         self._call("scree_field", index, name.encode(), ctypes.byref(memory))
         shape = (memory.particles,) if memory.components == 1 else (memory.particles, memory.components)
         kind = np.int64 if memory.whole else np.float64
-        array: np.ndarray[Any, Any] = np.zeros(shape, kind)
-        if memory.particles:
-            words = (memory.components - 1) * memory.stride + memory.particles
-            buffer = (ctypes.c_char * (8 * words)).from_address(memory.address)
-            array = np.ndarray(shape, kind, buffer, strides=(8, 8 * memory.stride)[:len(shape)])
-        return view_of(array, self, bool(memory.writable))
+        if not memory.particles:
+            return np.zeros(shape, kind), bool(memory.writable)
+        words = (memory.components - 1) * memory.stride + memory.particles
+        buffer = (ctypes.c_char * (8 * words)).from_address(memory.address)
+        return np.ndarray(shape, kind, buffer, strides=(8, 8 * memory.stride)[:len(shape)]), bool(memory.writable)
+
+    def _field(self, index: int, name: str) -> FieldView:
+        """The array of a field, whose memory belongs to Python, so that no use of it can harm the process."""
+        with binding.LOCK:
+            self._open_handle()
+            if (index, name) not in self._arrays:
+                memory, writable = self._memory(index, name)
+                own = memory.copy(order="F")
+                own.flags.writeable = writable
+                self._arrays[index, name] = own
+            return view_of(self._arrays[index, name], self)
+
+    def _return_fields(self) -> None:
+        """Give the arrays that were requested since the last step to the simulation."""
+        for (index, name), values in self._arrays.items():
+            if not values.flags.writeable:
+                continue
+            memory, _ = self._memory(index, name)
+            wrong = ~np.isfinite(values) & (values != memory)
+            if wrong.any():
+                row = int(np.argwhere(wrong)[0][0])
+                raise ValueError(f"the field '{name}' of {self.stores[index].material} was set to {values[row]} in row "
+                                 f"{row}; {int(wrong.sum())} of its numbers are not finite and must be set again")
+            memory[...] = values
+
+    def _change(self, name: str, *arguments: Any) -> None:
+        """Call a function that uses or changes the state, with the fields as they were changed in Python."""
+        with binding.LOCK:
+            self._open_handle()
+            self._return_fields()
+            try:
+                self._call(name, *arguments)
+            finally:
+                if self.generation != self._shown:
+                    self._arrays, self._shown = {}, self.generation
 
     @property
     def fields(self) -> Fields:
@@ -267,24 +319,26 @@ class Simulation:
 
     def _advance(self, count: int, until: float) -> int:
         """Do steps one by one, so that an interrupt by the keyboard can be handled between two of them."""
-        before = self.steps
-        while not self._state.finished and self.steps < before + count and self.time < until:
-            self._call("scree_step", 1, until)
+        before, last = self.steps, self.steps + operator.index(count)
+        if math.isnan(until):
+            raise ValueError("until is NaN; write a time in s")
+        while not self._state.finished and self.steps < last and self.time < until:
+            self._change("scree_step", 1, until)
         return self.steps - before
 
     def write_output(self) -> None:
         """Write the present state to all output streams; outputs due later do not change."""
-        self._call("scree_output")
+        self._change("scree_output")
 
     def write_checkpoint(self) -> None:
         """Write a checkpoint of the present state."""
-        self._call("scree_checkpoint")
+        self._change("scree_checkpoint")
 
     def finish(self) -> Run:
         """End the run here: last output and summary. Returns its results."""
         if self._run is None:
             try:
-                self._call("scree_finish")
+                self._change("scree_finish")
             finally:
                 if self._handle is not None and not self._state.running:
                     self.close()
@@ -293,17 +347,22 @@ class Simulation:
 
     def close(self) -> None:
         """Release memory and files. An unfinished run gets no summary."""
-        if self._handle is None:
-            return
-        self._state.running, self._state.finished = 0, 1
-        self._state.generation += 1
         with binding.LOCK:
-            self._library.scree_close(self._handle)
-        self._handle = None
+            if self._handle is None:
+                return
+            handle, self._handle, self._arrays = self._handle, None, {}
+            self._state.running, self._state.finished = 0, 1
+            self._state.generation += 1
+            if self._process == os.getpid():             # else the simulation is that of the parent process
+                self._library.scree_close(handle)
 
     def __del__(self) -> None:
-        if getattr(self, "_handle", None) is not None and self.ranks == 1:
+        if self._handle is not None and self.ranks == 1:
             self.close()
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError("a simulation cannot be copied or pickled: write_checkpoint() saves its state, and "
+                        "scree.Simulation(..., restart=True) continues from it")
 
     def __enter__(self) -> Simulation:
         return self
@@ -326,7 +385,8 @@ def _end_messages_at_exit(library: Any) -> None:
     """Finish MPI at the end of the process, once."""
     if not _MESSAGES:
         _MESSAGES.append(library)
-        atexit.register(library.scree_end_messages)
+        process = os.getpid()
+        atexit.register(lambda: library.scree_end_messages() if process == os.getpid() else None)
 
 
 def _place_deck(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | None, overwrite: bool,

@@ -3,6 +3,7 @@
 continued."""
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import itertools
 import json
@@ -16,10 +17,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
 
-from .errors import EXIT_STOPPED, EXIT_USAGE, DeckError, FileProblem, ScreeError, reason_of
-from .launch import bar_is_seen, deck_value, is_text, progress_bar, stop
+from .errors import EXIT_STOPPED, EXIT_USAGE, DeckError, FileProblem, PhysicsError, ScreeError, reason_of
+from .launch import Count, deck_value, echo_of, is_text, stop
 from .launch import run as run_deck
 from .program import find_program, version_of
+from .quantities import check_quantities, value_of
 from .results import Run, open_run
 
 if TYPE_CHECKING:
@@ -109,12 +111,19 @@ class Study:
         self.version = version_of(self.program)
         self._stopping = False
         self._children: list[subprocess.Popen[str]] = []
+        self._echoes: dict[str, str] = {}                # digest of the deck by the values
 
     def stamp(self, one: Combination) -> dict[str, Any]:
         """Description of a run, by which a finished run is recognised."""
-        content = self.deck.encode() if is_text(self.deck) else Path(self.deck).read_bytes()
         values = {key: deck_value(value) for key, value in {**self.common, **one.settings}.items()}
-        return {"deck": hashlib.sha256(content).hexdigest(), "values": values, "program": self.version}
+        key = json.dumps(values)
+        if key not in self._echoes:
+            content = self.deck.encode() if is_text(self.deck) else Path(self.deck).read_bytes()
+            if not is_text(self.deck):                   # the echo contains included files; an error is that of the run
+                with contextlib.suppress(DeckError):
+                    content = echo_of(self.program, self.deck, {**self.common, **one.settings}).encode()
+            self._echoes[key] = hashlib.sha256(content).hexdigest()
+        return {"deck": self._echoes[key], "values": values, "program": self.version}
 
     def is_done(self, one: Combination) -> bool:
         """True if an earlier call finished this run with the same deck, values and program; its results are then
@@ -187,6 +196,13 @@ class Study:
             self._mark(one)
         return one
 
+    def check_quantities(self, runs: Sequence[Combination], names: Sequence[str]) -> None:
+        """Raise an error for names of quantities that the first run would not have, before it starts."""
+        if runs and names:
+            with contextlib.suppress(DeckError, PhysicsError, FileProblem):      # each run reports its own
+                check_quantities(self.deck, names, {**self.common, **runs[0].settings}, program=self.program,
+                                 **self.options)
+
     def stop(self) -> None:
         """Stop all runs with a checkpoint."""
         self._stopping = True
@@ -194,13 +210,12 @@ class Study:
             stop(child)
 
     def all(self, runs: Sequence[Combination], jobs: int, ended: Ended, *, label: str = "runs", progress: bool = True,
-            leave: bool = False) -> None:
+            leave: bool = False, lines: bool = True) -> None:
         """Run all combinations, `jobs` at a time; `ended` is called with each finished one."""
         if self.resume:
             for one in runs:                             # before the first run starts
                 self.guard(one)
-        with progress_bar(total=len(runs), desc=label, leave=leave, disable=not (progress and bar_is_seen())) as bar, \
-                ThreadPoolExecutor(jobs) as pool:
+        with Count(len(runs), label, progress, leave, lines) as bar, ThreadPoolExecutor(jobs) as pool:
             waiting = [pool.submit(self.one, one) for one in runs]
             try:
                 for future in as_completed(waiting):
@@ -215,13 +230,15 @@ class Study:
 
 
 def sweep(deck: str | os.PathLike[str], key: str | Mapping[str, Sequence[Any]],
-          values: Sequence[Any] | None = None, measure: Measure | None = None, *, jobs: int = 1,
+          values: Sequence[Any] | None = None, measure: Measure | str | Sequence[str] | None = None, *, jobs: int = 1,
           outdir: str | os.PathLike[str] | None = None, set: Mapping[str, Any] | None = None, progress: bool = True,
           resume: bool = False, overwrite: bool = False, **options: Any) -> pandas.DataFrame:
     """Run a deck for each value of a key, or for all combinations of values of several keys, and measure each run.
 
     key, values  a key and its values; or a mapping of keys to their values, and no values
-    measure      gets a Run and returns a number, or a mapping of names and numbers; without it nothing is measured
+    measure      gets a Run and returns a number, or a mapping of names and numbers; or names of quantities as for
+                 scree.accuracy ("gauge.velocity_x:max"), which are checked before the first run; without it nothing is
+                 measured
     jobs         runs at a time
     outdir       each run gets a folder in it, out/NAME_sweep by default
     set          further values of keys, the same for all runs
@@ -252,11 +269,15 @@ def sweep(deck: str | os.PathLike[str], key: str | Mapping[str, Sequence[Any]],
     def ended(one: Combination) -> None:
         if isinstance(one.error, (DeckError, FileProblem)):
             raise one.error
-        if one.result is not None and measure is not None:
+        if one.result is not None and names:
+            measured[one.folder] = {name: value_of(one.result, name) for name in names}
+        elif one.result is not None and callable(measure):
             found = measure(one.result)
             measured[one.folder] = found if isinstance(found, Mapping) else {"value": float(found)}
 
+    names = [] if measure is None or callable(measure) else [measure] if isinstance(measure, str) else list(measure)
     study = Study(deck, overwrite=overwrite, resume=resume, settings=set, **options)
+    study.check_quantities(runs, names)
     study.all(runs, jobs, ended, label=", ".join(keys), progress=progress, leave=True)
     table = pandas.DataFrame([{**one.settings, "folder": one.folder, "error": str(one.error or ""),
                                **measured.get(one.folder, {})} for one in runs])

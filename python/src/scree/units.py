@@ -13,7 +13,7 @@ import math
 import re
 from typing import Any, Callable, TypeVar
 
-from .errors import FileProblem, ScreeError
+from .errors import FileProblem, ScreeError, decoded
 
 Powers = tuple[float, ...]
 Numbers = TypeVar("Numbers")                             # a number or an array of numpy
@@ -30,9 +30,6 @@ NAMES = ("m", "m2", "m3", "s", "kg", "K", "m/s", "m/s2", "1/s", "kg/m3", "Pa", "
          "kg m/s", "kg m2/s", "J/(kg K)", "W/(m K)", "J/m2", "N/m")
 # Columns whose name of the SI unit does not follow from its powers alone.
 BY_COLUMN = ((re.compile(r"torque_impulse_[xyz]"), "N m s"), (re.compile(r"(\w+_)?impulse_[xyz]"), "N s"))
-# Keys that are lengths, such as the edge of a cell, in decks of this system.
-LENGTHS = {"si": "m", "cgs": "cm", "mm-ms-kg": "mm", "mm-ms-g": "mm", "cm-us-g": "cm",
-           "mm-us-mg": "mm"}
 # Numbers of CASE.summary.json, which is always in SI.
 SUMMARY = ((r"(time|dt|wall_s|processor_s)", "s"),
            (r"(torque_impulse)_[xyz]", "N m s"), (r"impulse_[xyz]", "N s"),
@@ -131,7 +128,7 @@ def plain(value: Any) -> str:
     """A string from an attribute."""
     if hasattr(value, "tolist"):
         value = value.tolist()
-    return value.decode("utf-8", "replace").strip("\0 ") if isinstance(value, bytes) else str(value)
+    return decoded(value).strip("\0 ") if isinstance(value, bytes) else str(value)
 
 
 def data_exponent(data: Any) -> int:
@@ -209,11 +206,6 @@ def summary_unit(name: str) -> str:
         if re.fullmatch(pattern, name):
             return unit
     return ""
-
-
-def deck_length(deck_units: object) -> str:
-    """Unit of lengths in a deck, from the name in &units system."""
-    return LENGTHS.get(str(deck_units).lower(), "m")
 
 
 def times_in(entries: str) -> list[tuple[float, str]]:

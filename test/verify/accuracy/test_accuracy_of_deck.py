@@ -138,12 +138,12 @@ def test_complaints(options, sheet):
     """Requests that are not possible are reported."""
     deck = bar_deck(options)
     for words, code, told in (
-            (("--quantity", "heat"), 2, "there is no quantity 'heat'. There are columns of the history: dt, mass"),
+            (("--quantity", "heat"), 2, "There are columns of the history: dt, mass"),
             (("--quantity", "internal", "--factors", "2,1"), 2, "at least three different numbers"),
             (("--quantity", "internal", "--factors", "1,1.001,1.002"), 2, "name three of these"),
-            (("--quantity", "internal:at=9"), 2, "the history goes from 0 to 1.5 s"),
-            (("--quantity", "internal:mean"), 2, "after the colon write last, max, min"),
-            (("--quantity", "width", "--body", "wing"), 2, "there is no body 'wing'; there are: bar"),
+            (("--quantity", "internal:at=9"), 2, "write a time from 0 to t_end = 1.5 s"),
+            (("--quantity", "internal:median"), 2, "after the colon write last, max, min"),
+            (("--quantity", "width", "--body", "wing"), 2, "no body 'wing' (there are: bar)"),
             (("--quantity", "internal", "--methods", "fem"), 2, "method = fem is none of"),
             (("--quantity", "internal", "--tolerance", "good"), 2, "is not like 1%"),
             (("--quantity", "internal", "--set", "dx=1"), 2, "is not of the form GROUP.KEY=VALUE"),

@@ -61,6 +61,11 @@ def field_of(name: str) -> tuple[str, str]:
     return field, part
 
 
+def present(snap: Snapshot, name: str) -> str:
+    """The name as it is in the file: speed is the magnitude of the velocity, unless it is a field of the file."""
+    return "velocity" if name == "speed" and "speed" not in snap.fields else name
+
+
 def choices(snap: Snapshot) -> list[str]:
     """All names by which particles of a snapshot can be coloured."""
     found = []
@@ -68,6 +73,7 @@ def choices(snap: Snapshot) -> list[str]:
         found.append(name)
         if values.ndim == 2:
             found += [f"{name}.{part}" for part in COMPONENTS.get(values.shape[1], ())]
+    found += ["speed"] * ("velocity" in snap.fields and "speed" not in snap.fields)
     return found + ["x", "y", "z"] + ["fragment_size"] * ("fragment" in snap.fields)
 
 
@@ -77,7 +83,7 @@ def values_of(snap: Snapshot, name: str) -> Array:
         return np.asarray(snap.points[:, "xyz".index(name)])
     if name == "fragment_size":
         return fragment_size(snap)
-    field, part = field_of(name)
+    field, part = field_of(present(snap, name))
     if field not in snap.fields:
         raise unknown("field", name, choices(snap), snap.file)
     values = snap.fields[field]
@@ -132,7 +138,7 @@ def colour_for(name: str, snaps: Sequence[Snapshot], wanted: Sequence[float] | N
                chosen_map: str | None = None) -> Colour:
     """The colouring of a film: ranges over the given snapshots, or the requested ranges [SI]."""
     snap = next((one for one in snaps if len(one.points)), snaps[0])
-    field, _ = field_of(name)
+    field, _ = field_of(present(snap, name))
     if field in WHOLE:
         values_of(snap, name)                            # raises an error if there is none
         count = max((int(values_of(one, name).max()) for one in snaps if len(one.points)),

@@ -16,6 +16,7 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#4
 SEQUENTIAL, SIGNED = "viridis", "coolwarm"               # colour maps of sizes, and of numbers of both signs
 HEAT, SOOT = "magma", "cividis"                          # further maps of magnitudes, for a second field on a page
 LARGEST = 250000         # bytes up to which a picture keeps all its colours
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 
@@ -71,7 +72,7 @@ def scaled(largest: float, unit: str) -> tuple[float, str]:
 
 
 def readable_unit(size: float, unit: str) -> tuple[float, str]:
-    """Factor and unit for an axis whose largest number has this magnitude: (1e-6, "MPa"), or (1e-6, "$10^{6}$ 1/s")."""
+    """Factor and unit for an axis whose largest number has this magnitude: (1e-6, "MPa"), or (1e-6, "10⁶ 1/s")."""
     if not (size > 0.0 and math.isfinite(size)) or unit == "":
         return 1.0, unit
     if unit in STEPS:
@@ -79,7 +80,17 @@ def readable_unit(size: float, unit: str) -> tuple[float, str]:
     exponent = 3 * math.floor(math.log10(size) / 3.0 + 1.0e-9)
     if exponent in (0, 3):
         return 1.0, unit
-    return 10.0 ** -exponent, f"$10^{{{exponent}}}$" + ("" if unit == "1" else f" {unit}")
+    return 10.0 ** -exponent, "10" + str(exponent).translate(RAISED) + ("" if unit == "1" else f" {unit}")
+
+
+def plain_texts(figure: Figure) -> Figure:
+    """The same figure, in which titles, labels and legends are shown as they are written: matplotlib would take what is
+    between two dollar signs as a formula. Labels of ticks are formulas of matplotlib and remain so."""
+    (texts,) = modules("matplotlib.text")
+    for text in figure.findobj(texts.Text):
+        if "$" in text.get_text() and r"\mathdefault" not in text.get_text():
+            text.set_parse_math(False)
+    return figure
 
 
 def save(figure: Figure, path: str, dpi: float) -> None:
@@ -88,7 +99,7 @@ def save(figure: Figure, path: str, dpi: float) -> None:
     check_picture(path)
     part = f"{stem}.part{ending}"
     try:
-        figure.savefig(part, dpi=dpi)
+        plain_texts(figure).savefig(part, dpi=dpi)
         os.replace(part, path)
     except OSError as error:
         if os.path.exists(part):

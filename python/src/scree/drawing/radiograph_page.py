@@ -72,7 +72,7 @@ class Picture:
         self.frames, self.title, self.options = frames, title, options
         self.mu = options["mu"] or exposure(frames[-1])
         self.unit, self.factor = (
-            ("g/cm$^2$", 0.1) if options["unit"] == "g/cm2" else ("kg/m$^2$", 1.0)
+            ("g/cm²", 0.1) if options["unit"] == "g/cm2" else ("kg/m²", 1.0)
         )
         self.range = common["range"] if common else density_range(frames[-1].sigma, self.factor)
         floor = self.range[0] / self.factor
@@ -238,7 +238,7 @@ class Picture:
 
     def headings(self, figure: Figure, panels: Sequence[tuple[int, Axes]], page: float, high: float) -> None:
         """Name of each row (or of each panel of a single frame), colour bar and legend."""
-        mu = f"transmission exp($-$µΣ), µ = {self.mu:g} m$^2$/kg"
+        mu = f"transmission exp(-µΣ), µ = {self.mu:g} m²/kg"
         words = (("Film: " if self.lone else "Radiograph: ") + mu,
                  f"Areal density Σ [{self.unit}]", "Particles by body")
         firsts = [next(axes for kind, axes in panels if kind == wanted) for wanted in range(3)]

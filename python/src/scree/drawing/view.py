@@ -71,7 +71,7 @@ class Matter:
 def fields_for(name: str, hide_failed: bool = False) -> set[str]:
     """Fields that a picture needs."""
     return {colours.field_of(name)[0], "body", "volume", "mass", "deformation_gradient"} | (
-        {"fragment"} if name == "fragment_size" else set()) | (
+        {"fragment"} if name == "fragment_size" else {"velocity"} if name == "speed" else set()) | (
         {"failed", "damage"} if hide_failed else set())
 
 
@@ -223,6 +223,7 @@ def to_pixels(figure: Figure, dpi: float) -> Array:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     figure.set_dpi(dpi)
     canvas = FigureCanvasAgg(figure)
+    look.plain_texts(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba()).copy()  # type: ignore[no-untyped-call]
     look.pyplot().close(figure)

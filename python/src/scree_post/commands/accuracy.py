@@ -6,8 +6,10 @@ of convergence, the value extrapolated to zero cell size (L. F. Richardson 1911)
 error of the finest run (grid convergence index: P. J. Roache, J. Fluids Eng. 116 (1994) 405; I. B.
 Celik and others, ibid. 130 (2008) 078001). A quantity is one of:
 
-  NAME     a column of the history, its last row; NAME:max, NAME:min, NAME:at=TIME
-  PATH     a number in the summary, such as ledger.energy_error
+  NAME            a column of the history, its last row; NAME:max, NAME:min, NAME:mean, NAME:at=TIME
+  TABLE.COLUMN    the same of CASE_TABLE.csv, such as gauge.velocity_x:max; of tables with several rows
+                  for each time fragments[1].mass, or fragments.mass:mean of all rows of the last time
+  PATH            a number in the summary, such as ledger.energy_error
   length, width, radius, front_z, ...   of the particles of the last snapshot
 """
 from __future__ import annotations
@@ -17,7 +19,7 @@ import csv
 import math
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,43 +42,44 @@ def tolerance_of(text: str, verdict: Verdict, fine: float) -> float:
     """The tolerance as a number in SI; 1% is of the extrapolated value."""
     if not text.endswith("%"):
         return number_with_unit(text)
-    base = verdict.limit if math.isfinite(verdict.limit) else fine
+    base = fine if verdict.limit is None else verdict.limit
     return 0.01 * float(text[:-1]) * abs(base)
 
 
-def sentence(verdict: Verdict, unit: str, fine: float) -> str:
-    """The results of the convergence analysis in words."""
+def sentence(verdict: Verdict, unit: str, fine: float, causes: Sequence[str]) -> str:
+    """The results of the convergence analysis in words; causes are those in the deck of a missing order."""
+    why = "".join(f"\n  {cause}" for cause in causes)
     share = f" ({100.0 * verdict.error / abs(verdict.limit):.2g} %)" if verdict.limit else ""
     bound = f"error of the finest run below {verdict.error:.3g}{unit}{share}, safety factor {verdict.safety:g}"
     if verdict.kind == "does not change":
         return f"the last two runs agree to round-off: {bound}; no order can be observed"
     if verdict.kind == "oscillating":
         return (f"oscillating: values go up and down with the cells, so there is no order and no extrapolated value; "
-                f"{bound} times the range")
+                f"{bound} times the range{why}")
     if verdict.kind == "not converging":
         return (f"not converging: changes grow as cells get smaller (order {verdict.order:.2f}), "
-                f"so the finest value {fine:.6g}{unit} has no error bound; finer or coarser cells, "
-                "more particles a cell or another method may show why")
+                f"so there is no extrapolated value, and the finest value {fine:.6g}{unit} has no error bound"
+                + (why or "; finer or coarser cells, more particles a cell or another method may show why"))
     belief = "" if verdict.safety == SAFE else ", which is not as expected"
     return f"monotone, order {verdict.order:.2f}{belief}; extrapolated value {verdict.limit:.8g}{unit}; {bound}"
 
 
 def plan_text(found: Accuracy, quantity: str, text: str) -> str:
     """The cost of a tolerance."""
-    grid, verdict, fine = found.grid, found.verdicts[quantity], found.table.iloc[-1]
-    dimensions = len(grid.axes)
+    verdict, fine, dimensions = found.verdicts[quantity], found.table.iloc[-1], len(found.grid.axes)
     target = tolerance_of(text, verdict, fine[quantity])
     plan = found.cost(quantity, target)
     if plan is None:
         return f"{text} cannot be planned: there is no order"
     size, seconds = plan
     smaller = fine["cell_size"] / size
+    factor, unit = look.readable_unit(max(found.sizes), "m")
     if verdict.error <= target:
-        return f"{text} is met by cells of {found.sizes[-1]:.4g} {grid.unit}: {seconds:.3g} core-seconds"
+        return f"{text} is met by cells of {factor * found.sizes[-1]:.4g} {unit}: {seconds:.3g} core-seconds"
     if seconds > 1.0e15:
         return f"{text} is out of reach at order {verdict.order:.2f}"
     power = cost_law(found.sizes, found.table["core_seconds"].tolist(), dimensions)[1]
-    return (f"{text} needs cells of about {found.sizes[-1] / smaller:.3g} {grid.unit}, {smaller:.1f} times smaller: "
+    return (f"{text} needs cells of about {factor * size:.3g} {unit}, {smaller:.1f} times smaller: "
             f"{seconds:.3g} core-seconds (cost as h^-{dimensions + 1}, {power:.1f} measured)")
 
 
@@ -85,13 +88,14 @@ def print_table(options: argparse.Namespace, method: str | None, quantity: str, 
     unit = found.units[quantity]
     unit = f" {unit}" if unit and unit != "1" else ""
     print(f"\n{quantity}{unit and f' [{unit.strip()}]'}{', ' + method if method else ''}")
-    print(f"  {f'cells [{found.grid.unit}]':>10} {'particles':>10} {'steps':>8} {'core-seconds':>13} {'value':>18}"
+    factor, length = look.readable_unit(max(found.sizes), "m")
+    print(f"  {f'cells [{length}]':>10} {'particles':>10} {'steps':>8} {'core-seconds':>13} {'value':>18}"
           f" {'change':>10}")
     changes = found.table[quantity].diff()
     for size, row, change, value in zip(found.sizes, found.table.itertuples(), changes, found.table[quantity]):
-        print(f"  {size:10.4g} {row.particles:10d} {row.steps:8d} {row.core_seconds:13.4g}"
+        print(f"  {factor * size:10.4g} {row.particles:10d} {row.steps:8d} {row.core_seconds:13.4g}"
               f" {value:18.10g} {'' if math.isnan(change) else f'{change:.2e}':>10}")
-    print("  " + sentence(found.verdicts[quantity], unit, value))
+    print("  " + sentence(found.verdicts[quantity], unit, value, found.causes))
     print("  " + plan_text(found, quantity, options.tolerance))
 
 
@@ -103,11 +107,12 @@ def write_table(path: str, results: Mapping[str | None, Accuracy]) -> None:
                          "core_seconds", "value", "kind", "order", "extrapolated", "error_bound"])
         for method, found in results.items():
             for quantity, verdict in found.verdicts.items():
-                for size, (_, row) in zip(found.sizes, found.table.iterrows()):
-                    writer.writerow([quantity, found.units[quantity], method or "", f"{size:.12g}",
+                for _, row in found.table.iterrows():
+                    writer.writerow([quantity, found.units[quantity], method or "", f"{row['cell_size']:.12g}",
                                      f"{row['factor']:.12g}", int(row["particles"]), int(row["steps"]),
                                      repr(float(row["core_seconds"])), repr(float(row[quantity])), verdict.kind,
-                                     repr(verdict.order), repr(verdict.limit), repr(verdict.error)])
+                                     repr(verdict.order), "" if verdict.limit is None else repr(verdict.limit),
+                                     repr(verdict.error)])
 
 
 def numbers(text: str) -> list[float]:
@@ -167,7 +172,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scree", metavar="PROGRAM",
                         help="the program; default build/bin/scree or in the path")
     parser.add_argument("--work", type=Path, help="folder for the runs (out/accuracy_DECK)")
-    parser.add_argument("--csv", metavar="FILE", help="write the table to this file")
+    parser.add_argument("--csv", metavar="FILE", help="write the table to this file, in SI")
     parser.add_argument("--plot", metavar="FILE", help="plot values and errors to this file")
 
 

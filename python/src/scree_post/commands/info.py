@@ -16,7 +16,7 @@ import numpy as np
 
 from scree import units as units_of
 from scree.drawing.quantity import quantity
-from scree.errors import EXIT_USAGE, ScreeError, modules, readable
+from scree.errors import EXIT_USAGE, ScreeError, decoded, modules, readable
 from scree.files import history, is_grid, series, snapshot, text
 
 from ..progress import Progress
@@ -226,7 +226,7 @@ def deck_of(path: str) -> str:
         name = "deck" if kind == "checkpoint" else "provenance/deck"
         if name not in handle:
             raise ScreeError(f"{path} contains no deck")
-        return bytes(handle[name][...]).decode("utf-8", "replace")
+        return decoded(bytes(handle[name][...]))
 
 
 def first_of(path: str) -> str:

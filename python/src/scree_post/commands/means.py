@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scree.drawing.quantity import quantity
-from scree.errors import ScreeError, readable
+from scree.errors import EXIT_USAGE, ScreeError, readable
 from scree.files import history, is_grid, series
+from scree.quantities import NUMBERED
 
 from ..grains.statistics import drift, drifts, mean_error
 from ..progress import Progress
@@ -41,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--from", dest="begin", type=quantity, metavar="T", default=0.0, help="first time, such as 2ms (0)")
     add("--to", dest="end", type=quantity, metavar="T", default=float("inf"), help="last time (all)")
     add("--columns", metavar="X,Y", help="only these columns of a table")
+    add("--row", type=int, metavar="N", help="bin or fragment of a table with several rows for each time")
     add("--out", metavar="FILE",
         help="table as CSV; for grids the image, default CASE_g_mean.hdf in the folder of the series")
 
@@ -51,6 +53,12 @@ def of_table(arguments: argparse.Namespace) -> int:
     table = history(arguments.source)
     time = table["time"]
     inside = (time >= arguments.begin) & (time <= arguments.end)
+    numbered = next((name for name in NUMBERED if name in table), "")
+    if bool(numbered) != (arguments.row is not None):
+        raise ScreeError(f"{arguments.source} has several rows for each time: choose one by its {numbered}, --row 1"
+                         if numbered else f"{arguments.source} has one row for each time; omit --row", EXIT_USAGE)
+    if numbered:
+        inside &= table[numbered] == arguments.row
     if inside.sum() < FEWEST:
         raise ScreeError(f"{arguments.source}: {inside.sum()} rows between the times, a mean needs {FEWEST}")
     names = [name for name in table.order if name not in ("time", "step", "dt")]

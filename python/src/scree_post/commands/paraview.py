@@ -42,8 +42,8 @@ LONGEST = 120.0          # longest time for pvpython [s]
 SCRIPT = '''# SPDX-License-Identifier: BSD-3-Clause
 """Opens a run in ParaView 5.11 or newer; written by scree-post paraview.
 
-    paraview --script=SCRIPT
-    pvbatch SCRIPT picture.png       # or a state file, picture.pvsm
+    paraview --script=SCRIPT          # this file
+    pvbatch SCRIPT picture.png        # or a state file, picture.pvsm
 """
 import sys
 from pathlib import Path
@@ -114,7 +114,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     parser.add_argument("source", metavar="SERIES", help="CASE_p.hdf.series or out/CASE")
     parser.add_argument("--colour", "--color", metavar="FIELD",
-                        help="a field, or a component such as velocity.z or stress.xx (velocity)")
+                        help="a field, speed, or a component such as velocity.z or stress.xx (speed)")
     parser.add_argument("--out", metavar="PY", help="script; default CASE_view.py in the folder of the series. The "
                         "state file is written to the same folder")
 
@@ -153,6 +153,7 @@ def script_of(source: str, name: str | None) -> str:
     if len(snap.points) == 0:
         raise ScreeError(f"{file} holds no particles", EXIT_USAGE)
     name = name or "velocity"
+    name = colours.present(snap, name)
     low, high, preset = range_of(snap, name)
     field, part = colours.field_of(name)
     if field not in snap.fields:

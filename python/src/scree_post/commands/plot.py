@@ -15,6 +15,7 @@ from scree import plot
 from scree.drawing import look
 from scree.errors import EXIT_USAGE, ScreeError, unknown
 from scree.files import history, history_file
+from scree.quantities import NUMBERED
 from scree.results import read_table
 
 from .. import ledger_page
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from scree.files import History
 
+MOST = 6                 # curves of a table with several rows for each time
 SUMMARY = "columns of histories against time or each other"
 EXAMPLES = ("plot out/two_discs/two_discs_history.csv",
             "plot out/two_discs --y kinetic,internal",
@@ -49,6 +51,22 @@ def case_of(path: str) -> str:
     return os.path.splitext(os.path.basename(path))[0].removesuffix("_history")
 
 
+def curves(name: str, table: pandas.DataFrame, across: str) -> dict[str, pandas.DataFrame]:
+    """The table itself; one with several rows for each time is divided into a curve for each of the first rows over
+    time, or for some of its times over another column."""
+    numbered = next((key for key in NUMBERED if key in table), "")
+    if not numbered:
+        return {name: table}
+    if across == "time":
+        return {f"{name}, {numbered} {number}": table[table[numbered] == number]
+                for number in sorted(set(table[numbered].astype(int))) if number <= MOST}
+    times = sorted(set(table["time"]))
+    chosen = [times[place * (len(times) - 1) // max(min(MOST, len(times)) - 1, 1)]
+              for place in range(min(MOST, len(times)))]
+    factor, unit = look.scaled(max(times), "s")
+    return {f"{name}, {factor * time:.4g} {unit}": table[table["time"] == time] for time in chosen}
+
+
 def chosen_columns(paths: Sequence[str], arguments: argparse.Namespace) -> Figure:
     """The figure of chosen columns, a panel for each unit."""
     names = [name.strip() for name in arguments.y.split(",") if name.strip()]
@@ -60,7 +78,7 @@ def chosen_columns(paths: Sequence[str], arguments: argparse.Namespace) -> Figur
         for name in (arguments.x, *names):
             if name not in table:
                 raise unknown("column", name, table.columns, path)
-        tables[case_of(path) if case_of(path) not in tables else path] = table
+        tables |= curves(case_of(path) if case_of(path) not in tables else path, table, arguments.x)
     if arguments.log and not any(table[name].any() for table in tables.values() for name in names):
         raise ScreeError("--log: all these columns are zero", EXIT_USAGE)
     look.pyplot()                                        # fonts and colours of the common style

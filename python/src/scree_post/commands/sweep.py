@@ -6,9 +6,10 @@ and stopped ones continue from their checkpoint, so the same command resumes a s
 another deck or program are replaced only with --overwrite. Each run has one thread, and there are
 as many simultaneous runs as cores. The table keeps the runs of earlier sweeps of the same deck and
 program in that folder. It contains the values, how each run ended, and the quantities of --take:
-names in the summary, columns of the history at the end, with .max, .min or .mean over the history,
-or extents of the last snapshot such as length, radius, front_z. If values contain commas, separate
-them by semicolons: --set 'body[ball].velocity=0,0,1;0,0,2'.
+names in the summary, columns of the history at the end, TABLE.COLUMN of other tables, such as
+gauge.velocity_x and fragments[1].mass, both with :max, :min, :mean or :at=TIME, or extents of the
+last snapshot such as length, radius, front_z. Unknown names are refused before the first run. If
+values contain commas, separate them by semicolons: --set 'body[ball].velocity=0,0,1;0,0,2'.
 """
 from __future__ import annotations
 
@@ -21,15 +22,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scree.drawing import look
-from scree.errors import EXIT_DIFFERENT, EXIT_USAGE, FileProblem, ScreeError, readable, unknown
-from scree.program import jobs_for, threads_of_a_run
-from scree.quantities import EXTENTS, value_of
-from scree.results import Run
+from scree.errors import EXIT_DIFFERENT, EXIT_USAGE, FileProblem, ScreeError, readable
+from scree.program import jobs_for, key_unit, threads_of_a_run
+from scree.quantities import unit_of, value_of
 from scree.study import Combination, Study, combinations, read_stamp, short
-from scree.units import summary_unit
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +34,6 @@ SUMMARY = "run a deck for several values: table and plot of the results"
 EXAMPLES = ("sweep input/two_discs/scene.nml --set grid.dx=0.05,0.025 --take energy_error,steps",
             "sweep input/column_collapse/scene.nml --set material.friction_angle=30,45 --jobs 2",
             "sweep input/debris_cloud/scene.nml --set 'body[sphere].velocity=0,0,6;0,0,7' --list")
-OVER = ("max", "min", "mean")
 DEFAULT = "time,steps,wall_s,kinetic,energy_error"
 
 
@@ -84,31 +79,6 @@ def deck_name(deck: str) -> str:
     return os.path.basename(os.path.dirname(os.path.abspath(deck))) if stem == "scene" else stem
 
 
-def quantity_of(run: Run, name: str) -> tuple[float, str]:
-    """A number of the summary or of the history of a run, and its unit."""
-    base, _, over = name.partition(".")
-    if over and over not in OVER:
-        raise unknown("suffix after the point", over, OVER, name)
-    if name in EXTENTS:
-        return value_of(run, name), "m"
-    ends: dict[str, Any] = run.summary.get("ledger", {}).get("end", {})
-    if not over:
-        for place in (run.summary, run.summary.get("extremes", {}), run.summary.get("exact", {})):
-            if isinstance(place, dict) and isinstance(place.get(base), (int, float)):
-                return float(place[base]), summary_unit(base)
-    table = run.tables.get("history")
-    if table is not None:
-        if base in table:
-            return float(table[base].agg(over) if over else table[base].iloc[-1]), table.attrs["units"][base]
-        ends = {**ends, **dict.fromkeys(table.columns)}
-    if not over and isinstance(ends.get(base), (int, float)):
-        return float(ends[base]), summary_unit(base)
-    known = [key for key, value in run.summary.items() if isinstance(value, (int, float))]
-    known += list(run.summary.get("extremes", {}))
-    known += [key for key in (*ends, *EXTENTS) if key not in known]
-    raise unknown("quantity", base, known, str(run.folder))
-
-
 def results(runs: Sequence[Combination], names: Sequence[str]) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """Rows of the table and units by name; empty where a run failed, or its summary lacks the
     key."""
@@ -120,8 +90,7 @@ def results(runs: Sequence[Combination], names: Sequence[str]) -> tuple[list[dic
         for name in names:
             row[name] = np.nan
             if run.result is not None:
-                row[name], unit = quantity_of(run.result, name)
-                units[name] = unit or units.get(name, "")
+                row[name], units[name] = value_of(run.result, name), unit_of(run.result, name)
         row["folder"], row["reason"] = run.folder, run.reason
         rows.append(row)
     return rows, units
@@ -145,6 +114,11 @@ def earlier(base: str, study: Study, runs: Sequence[Combination], case: str) -> 
     return found, others
 
 
+def varied(keys: Mapping[str, Sequence[str]]) -> list[str]:
+    """The keys with several values, or the first key."""
+    return [key for key in keys if len(keys[key]) > 1] or list(keys)[:1]
+
+
 def write_table(path: str, rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> None:
     """The table, units in the heading."""
     import pandas
@@ -153,27 +127,35 @@ def write_table(path: str, rows: Sequence[Mapping[str, Any]], units: Mapping[str
     os.replace(path + ".part", path)
 
 
-def number(text: str) -> float | None:
-    """A number from the text of a deck, or None."""
-    try:
-        return float(text.lower().replace("d", "e"))
-    except ValueError:
-        return None
+def places_of(runs: Sequence[Combination], key: str) -> dict[str, float]:
+    """The values of a key that the runs used, in SI, by their texts in --set; empty if they are not single numbers."""
+    group, _, name = key.rpartition(".")
+    group, _, which = group.rstrip("]").partition("[")
+    found: dict[str, float] = {}
+    for run in runs:
+        if run.result is None or key not in run.settings:
+            continue
+        entry = run.result.deck.get(group.lower(), [])
+        entries = entry if isinstance(entry, list) else [entry]
+        values = [entry.get(name.lower()) for entry in entries if not which or entry.get("name") == which]
+        if len(values) != 1 or isinstance(values[0], bool) or not isinstance(values[0], (int, float)):
+            return {}
+        found[run.settings[key]] = float(values[0])
+    return found
 
 
 def picture(rows: Sequence[Mapping[str, Any]], keys: Mapping[str, Sequence[str]], names: Sequence[str],
-            units: Mapping[str, str], title: str) -> Figure:
+            units: Mapping[str, str], title: str, places: Mapping[str, float]) -> Figure:
     """A panel for each quantity: against the first key with several values, one line for each
-    combination of the other values."""
+    combination of the other values. `places` are the values of that key in SI, empty if they are not numbers."""
     plot = look.pyplot()
-    first, *rest = [key for key in keys if len(keys[key]) > 1] or list(keys)[:1]
+    first, *rest = varied(keys)
+    scale, unit_across = look.readable_unit(max(map(abs, places.values()), default=0.0), units.get(first) or "1")
     columns = min(2, len(names))
     lines = (len(names) + columns - 1) // columns
     figure: Figure
     figure, grid = plot.subplots(lines, columns, figsize=(5.2 * columns + 0.4, 3.4 * lines + 0.5),
                                  squeeze=False, layout="constrained")
-    places = [place for place in map(number, keys[first]) if place is not None]
-    numeric = len(places) == len(keys[first])
     groups: dict[str, list[Mapping[str, Any]]] = {}
     for row in rows:
         if row["exit_code"] == 0:
@@ -184,16 +166,16 @@ def picture(rows: Sequence[Mapping[str, Any]], keys: Mapping[str, Sequence[str]]
         size = max((abs(row[name]) for row in rows if row["exit_code"] == 0), default=0.0)
         factor, unit = look.readable_unit(size, units.get(name) or "1")
         for tint, (label, part) in enumerate(groups.items()):
-            across = [(places if numeric else range(len(keys[first])))[keys[first].index(row[first])] for row in part]
+            across = [scale * places[row[first]] if places else keys[first].index(row[first]) for row in part]
             order = np.argsort(across)
             up = factor * np.array([row[name] for row in part])
             axes.plot(np.array(across)[order], up[order], "o-", label=label, linewidth=1.6,
                       color=look.COLOURS[tint % len(look.COLOURS)], markersize=5)
-        if not numeric:
+        if not places:
             axes.set_xticks(range(len(keys[first])), keys[first])
-        elif min(places) > 0.0 and max(places) / min(places) > 20.0:
+        elif min(places.values()) > 0.0 and max(places.values()) / min(places.values()) > 20.0:
             axes.set_xscale("log")
-        axes.set_xlabel(first)
+        axes.set_xlabel(look.with_unit(first, unit_across if places else ""))
         axes.set_ylabel(look.with_unit(look.words(name.replace(".", " ")), unit))
         axes.grid(color="#dddddd", linewidth=0.6)
         axes.set_axisbelow(True)
@@ -206,13 +188,13 @@ def picture(rows: Sequence[Mapping[str, Any]], keys: Mapping[str, Sequence[str]]
     return figure
 
 
-def tell(run: Combination) -> None:
-    """A line for a finished run."""
+def tell(run: Combination, count: str) -> None:
+    """A line for a finished run, also in a file."""
     values = ", ".join(f"{key} = {value}" for key, value in run.settings.items())
     if run.code == 0:
-        print(f"{'there' if run.kept else 'done '}  {values}", flush=True)
+        print(f"{'there' if run.kept else 'done '}  {values}  ({count})", flush=True)
     elif run.code is not None:
-        print(f"FAILED {values}: exit code {run.code}, {run.reason}", flush=True)
+        print(f"FAILED {values}: exit code {run.code}, {run.reason}  ({count})", flush=True)
 
 
 def check_arguments(arguments: argparse.Namespace) -> tuple[list[str], dict[str, list[str]]]:
@@ -222,10 +204,6 @@ def check_arguments(arguments: argparse.Namespace) -> tuple[list[str], dict[str,
     names = [name.strip() for name in arguments.take.split(",") if name.strip()]
     if not names:
         raise ScreeError("--take names no quantity", EXIT_USAGE)
-    for name in names:
-        over = name.partition(".")[2]
-        if over and over not in OVER:
-            raise unknown("suffix after the point", over, OVER, f"--take {name}")
     return names, settings(arguments.values)
 
 
@@ -248,13 +226,14 @@ def run(arguments: argparse.Namespace) -> int:
     out = arguments.out or os.path.join(base, "sweep.png")
     look.check_picture(out)
 
-    def ended(one: Combination) -> None:
-        tell(one)
-        # a wrong name is reported before the last run
-        if one.code == 0:
-            results([one], names)
+    done: list[Combination] = []
 
-    study.all(runs, arguments.jobs or jobs_for(threads), ended)
+    def ended(one: Combination) -> None:
+        done.append(one)
+        tell(one, f"{len(done)} of {len(runs)}")
+
+    study.check_quantities(runs, names)
+    study.all(runs, arguments.jobs or jobs_for(threads), ended, lines=False)
     failed = [one for one in runs if one.code != 0]
     before, others = earlier(base, study, runs, deck_name(deck))
     rows, units = results(runs + before, names)
@@ -268,6 +247,9 @@ def run(arguments: argparse.Namespace) -> int:
     if len(failed) < len(runs):
         same = [row for row, one in zip(rows, runs + before) if set(one.settings) == set(keys)]
         seen = {key: list(dict.fromkeys(row[key] for row in same)) for key in keys}
-        look.save(picture(same, seen, names, units, deck_name(deck)), out, 150)
+        first = varied(seen)[0]
+        places = places_of([one for one in runs + before if one.code == 0], first)
+        page = picture(same, seen, names, {**units, first: key_unit(study.program, first)}, deck_name(deck), places)
+        look.save(page, out, 150)
         print(f"wrote {out}")
     return EXIT_DIFFERENT if failed else 0

@@ -7,13 +7,14 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from scree import units as units_of
 from scree.echo import groups
-from scree.errors import ScreeError, readable
+from scree.errors import ScreeError, decoded, readable
 from scree.files import history, open_file, series
 
 if TYPE_CHECKING:
@@ -103,8 +104,7 @@ def read_run(folder: str) -> CellRun:
                          "own")
     run = CellRun(folder, found[0].removesuffix("_history.csv"), {})
     echo = run.path(".echo.nml")
-    with open(readable(echo), encoding="utf-8") as handle:
-        text = handle.read()
+    text = decoded(Path(readable(echo)).read_bytes())
     run.keys = {**keys_of(text, "cell"), **keys_of(text, "grains")}
     missing = [name for name in ("diameter", "density", "shape") if name not in run.keys]
     if missing:
