@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Warnings at the end of a run of balances that do not close, with the remedy.
+!> Warnings at the end of a run of balances that do not close and of locking, with the remedy.
 module output_balance_warnings
    use base_kinds, only: wp
    use base_log, only: log_t
    use ddmp_dual, only: surface_fill
-   use io_trust_record, only: trust_angular, trust_damped, trust_energy, trust_momentum, trust_ok, &
-      trust_t, verdict_of
+   use io_trust_record, only: trust_angular, trust_damped, trust_energy, trust_momentum, &
+      trust_noise, trust_ok, trust_t, verdict_of
    use step_ledger, only: balance_t
    use step_method, only: method_t
    use step_simulation, only: simulation_t
@@ -29,7 +29,29 @@ contains
       call warn_of_energy(simulation%scheme%method, parts, now, trust, log)
       call warn_of_momentum(simulation%scheme%method, trust, log)
       call warn_of_turning(simulation%scheme%method, trust, log)
+      call warn_of_noise(simulation, parts, trust, log)
    end subroutine warn_of_balance
+
+   !> Report at the end that nodes do not resolve the pressure, as in material that locks, with the
+   !! remedy that lowered it in all tests of doc/theory/ledger.md. Collective.
+   subroutine warn_of_noise(simulation, parts, trust, log)
+      type(simulation_t), intent(in) :: simulation   !! Method and materials are used
+      logical, intent(in) :: parts                   !! Does a body touch itself?
+      type(trust_t), intent(in) :: trust             !! Measures at the end
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      character(len=:), allocatable :: remedy
+      character(len=16) :: times
+
+      if (trust%failed) return
+      if (verdict_of(trust_noise, trust%worst(trust_noise)) == trust_ok) return
+      remedy = "use finer cells"
+      if (simulation%space%grid%dimensions > 1 .and. .not. (simulation%scheme%method%even .or. &
+         parts)) remedy = "write antilock = 'bbar' in &method, or use finer cells"
+      write (times, "(es8.1)") trust%worst(trust_noise)
+      call log%warn("warning: pressures of neighbouring particles differ by"//trim(times)// &
+         " times the shear stress: material that keeps its volume locks, and is too stiff; "// &
+         remedy)
+   end subroutine warn_of_noise
 
    !> Report at the end that energy is lost, with the remedy. Collective.
    subroutine warn_of_energy(method, parts, now, trust, log)
