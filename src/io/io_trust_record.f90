@@ -46,12 +46,10 @@ module io_trust_record
       !> Greatest of single particles: distance of neighbours [cells], speed and energy over the
       !! explained ones; of noise: at one time
       real(wp) :: greatest(trust_entries) = 0.0_wp
-      !> Integrals over time of the entries `trust_means`; of noise of the square of the differences
-      real(wp) :: integral(size(trust_means)) = 0.0_wp
-      real(wp) :: fast = 0.0_wp, odd = 0.0_wp        !! Last values of speed and heat
-      real(wp) :: stress = 0.0_wp                    !! Integral of the square of the stress [Pa2 s]
-      real(wp) :: start = 0.0_wp                     !! Start of the integrals [s]
-      real(wp) :: checked = 0.0_wp                   !! Their end [s]
+      !> Integrals over time of the entries `trust_means`, and of what they are relative to: speed
+      !! and heat are energies relative to that of all particles, noise is a square
+      real(wp) :: integral(size(trust_means)) = 0.0_wp, whole(size(trust_means)) = 0.0_wp
+      real(wp) :: checked = 0.0_wp                   !! End of the integrals [s]
       real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
       real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]
       real(wp) :: least_energy = 0.0_wp              !! Least internal energy [J/kg]
@@ -76,17 +74,14 @@ contains
       if (abs(value) <= ok_until(entry)) verdict = trust_ok
    end function verdict_of
 
-   !> Mean over time of an entry of `trust_means`: of noise the ratio of root mean squares.
+   !> Mean over time of an entry of `trust_means`.
    pure real(wp) function trust_mean(trust, n) result(mean)
       type(trust_t), intent(in) :: trust             !! The values so far
       integer, intent(in) :: n                       !! Index in `trust_means`
 
       mean = 0.0_wp
-      if (trust_means(n) == trust_noise) then
-         if (trust%stress > 0.0_wp) mean = sqrt(trust%integral(n)/trust%stress)
-      else if (trust%checked > trust%start) then
-         mean = trust%integral(n)/(trust%checked - trust%start)
-      end if
+      if (trust%whole(n) > 0.0_wp) mean = trust%integral(n)/trust%whole(n)
+      if (trust_means(n) == trust_noise) mean = sqrt(mean)
    end function trust_mean
 
    !> The line at the end of a run.
@@ -143,9 +138,9 @@ contains
       type(trust_t), intent(in) :: trust             !! Measures of trust
       type(state_t), intent(inout) :: state          !! State of the checkpoint
 
-      call state%set("trust", [trust%worst, trust%greatest, trust%integral, trust%stress, &
-         trust%start, trust%checked, trust%start_speed, trust%start_energy, trust%least_energy, &
-         trust%work, trust%load_work])
+      call state%set("trust", [trust%worst, trust%greatest, trust%integral, trust%whole, &
+         trust%checked, trust%start_speed, trust%start_energy, trust%least_energy, trust%work, &
+         trust%load_work])
       call state%set("trust_flags", [merge(1_int64, 0_int64, trust%warned), &
          merge(1_int64, 0_int64, trust%begun)])
    end subroutine save_trust
@@ -154,7 +149,7 @@ contains
    subroutine load_trust(trust, state)
       type(trust_t), intent(inout) :: trust          !! Measures of trust
       type(state_t), intent(in) :: state             !! State of the checkpoint
-      integer, parameter :: before = 2*trust_entries + size(trust_means)
+      integer, parameter :: means = size(trust_means), before = 2*trust_entries + 2*means
       real(wp), allocatable :: values(:)
       integer(int64), allocatable :: flags(:)
       type(error_t), allocatable :: error
@@ -164,19 +159,18 @@ contains
       if (allocated(error)) return
       call state%get("trust_flags", flags, error)
       if (allocated(error)) return
-      if (size(values) /= before + 8 .or. size(flags) /= trust_entries + 1) return
+      if (size(values) /= before + 6 .or. size(flags) /= trust_entries + 1) return
       trust%worst = values(:trust_entries)
       trust%greatest = values(trust_entries + 1:2*trust_entries)
-      trust%integral = values(2*trust_entries + 1:before)
+      trust%integral = values(2*trust_entries + 1:before - means)
+      trust%whole = values(before - means + 1:before)
       associate (rest => values(before + 1:))
-         trust%stress = rest(1)
-         trust%start = rest(2)
-         trust%checked = rest(3)
-         trust%start_speed = rest(4)
-         trust%start_energy = rest(5)
-         trust%least_energy = rest(6)
-         trust%work = rest(7)
-         trust%load_work = rest(8)
+         trust%checked = rest(1)
+         trust%start_speed = rest(2)
+         trust%start_energy = rest(3)
+         trust%least_energy = rest(4)
+         trust%work = rest(5)
+         trust%load_work = rest(6)
       end associate
       trust%warned = flags(:trust_entries) /= 0
       trust%begun = flags(trust_entries + 1) /= 0

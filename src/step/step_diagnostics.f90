@@ -31,8 +31,9 @@ module step_diagnostics
       real(wp) :: heat = -huge(1.0_wp)               !! Greatest carried energy per mass [J/kg]
       real(wp) :: cold = huge(1.0_wp)                !! Least of these [J/kg]
       real(wp) :: energy = 0.0_wp                    !! Greatest energy of one particle [J]
-      real(wp) :: fast = 0.0_wp !! Energy of particles faster than the limit, over that of all [1]
-      real(wp) :: odd = 0.0_wp !! The same of those with an energy per mass beyond the limits [1]
+      real(wp) :: whole = 0.0_wp                     !! Energy of all particles [J]
+      real(wp) :: fast = 0.0_wp                      !! Of those faster than the limit [J]
+      real(wp) :: odd = 0.0_wp !! Of those with an energy per mass beyond the limits [J]
    end type bounds_sample_t
 
    !> Limits of plausible particles.
@@ -99,7 +100,7 @@ contains
          ratio = force%value()*simulation%space%grid%spacing/strength%value()
    end subroutine find_unbalanced
 
-   !> Greatest speed, energies of particles, and the share of implausible ones. Collective.
+   !> Greatest speed, energies of particles, and the energy of implausible ones. Collective.
    subroutine examine_bounds(space, stores, machine, least_energy, limits, sample)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)
@@ -140,10 +141,9 @@ contains
          call sum%over_ranks(machine%communicator)
          total(n) = sum%value()
       end do
-      if (total(1) > 0.0_wp) then
-         sample%fast = total(2)/total(1)
-         sample%odd = total(3)/total(1)
-      end if
+      sample%whole = total(1)
+      sample%fast = total(2)
+      sample%odd = total(3)
    end subroutine examine_bounds
 
    !> The greatest values of a range of particles: square of the speed, energy per mass, its

@@ -82,8 +82,7 @@ contains
          bounds_limits_t(), sample)
       associate (trust => simulation%balance%trust)
          trust%begun = .true.
-         trust%start = simulation%clock%time
-         trust%checked = trust%start
+         trust%checked = simulation%clock%time
          trust%start_speed = sample%speed
          trust%start_energy = &
             simulation%machine%communicator%maximum(greatest_stored(simulation%materials, &
@@ -190,9 +189,9 @@ contains
       trust%worst(trust_angular) = now%turn_error
    end subroutine rate_turning
 
-   !> Update distances, volumes and pressures, and the means over time of all entries. Material
-   !! that has separated stays apart, so its greatest fraction is rated; pressures fluctuate, so
-   !! the mean over time is rated. Equation (L.9).
+   !> Update distances, volumes and pressures. Material that has separated stays apart, so its
+   !! greatest fraction is rated; pressures fluctuate, so their mean over time is rated.
+   !! Equation (L.9).
    pure subroutine note_shapes(sample, time, trust)
       type(shapes_sample_t), intent(in) :: sample        !! Measured values
       real(wp), intent(in) :: time                   !! Time of the sample [s]
@@ -201,16 +200,16 @@ contains
 
       passed = time - trust%checked
       trust%checked = time
-      trust%integral = trust%integral + passed*[sample%overlap, sample%share, trust%fast, &
-         trust%odd, sample%difference**2]
-      trust%stress = trust%stress + passed*sample%stress**2
+      trust%integral([1, 2, 5]) = trust%integral([1, 2, 5]) + passed*[sample%overlap, &
+         sample%share, sample%difference**2]
+      trust%whole([1, 2, 5]) = trust%whole([1, 2, 5]) + passed*[1.0_wp, 1.0_wp, sample%stress**2]
       associate (greatest => trust%greatest, worst => trust%worst)
          greatest(trust_stretch) = max(greatest(trust_stretch), sample%longest)
          if (sample%stress > 0.0_wp) &
             greatest(trust_noise) = max(greatest(trust_noise), sample%difference/sample%stress)
          worst(trust_stretch) = max(worst(trust_stretch), sample%share)
          worst(trust_volume) = max(worst(trust_volume), sample%overlap)
-         worst(trust_noise) = trust_mean(trust, size(trust_means))
+         worst(trust_noise) = trust_mean(trust, 5)
       end associate
    end subroutine note_shapes
 
@@ -231,7 +230,9 @@ contains
          trust%least_energy, limits, sample)
    end subroutine measure_bounds
 
-   !> Update speeds and energies. Manufactured solutions have no limits.
+   !> Update speeds and energies. The energy of implausible particles is rated by its mean over time:
+   !! a few fast particles while hardly anything moves have no weight, and an instability, which
+   !! grows, dominates. Manufactured solutions have no limits.
    pure subroutine note_bounds(simulation, sample, trust)
       type(simulation_t), intent(in) :: simulation
       type(bounds_sample_t), intent(in) :: sample        !! Measured values
@@ -241,15 +242,15 @@ contains
       if (allocated(simulation%effects%exact)) return
       square = explained_square(simulation, trust)
       associate (greatest => trust%greatest, worst => trust%worst)
+         trust%integral(3:4) = trust%integral(3:4) + simulation%clock%dt*[sample%fast, sample%odd]
+         trust%whole(3:4) = trust%whole(3:4) + simulation%clock%dt*sample%whole
          if (square > 0.0_wp) then
             greatest(trust_speed) = max(greatest(trust_speed), sample%speed/sqrt(square))
-            trust%fast = sample%fast
-            worst(trust_speed) = max(worst(trust_speed), sample%fast)
+            worst(trust_speed) = trust_mean(trust, 3)
          end if
          scale = explained_energy(simulation, trust)
          if (sample%heat < sample%cold .or. .not. scale > 0.0_wp) return
-         trust%odd = sample%odd
-         worst(trust_heat) = max(worst(trust_heat), sample%odd)
+         worst(trust_heat) = trust_mean(trust, 4)
          call take_worse(greatest(trust_heat), (sample%heat - trust%least_energy)/scale)
          call take_worse(greatest(trust_heat), (sample%cold - trust%least_energy)/scale)
       end associate
