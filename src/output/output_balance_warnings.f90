@@ -54,8 +54,8 @@ contains
          remedy)
    end subroutine warn_of_noise
 
-   !> Report at the end that energy is lost, with the numbers of the lines `balance` and `trust`, and
-   !! the remedy that lowered the loss in all tests of doc/theory/ledger.md. Collective.
+   !> Report at the end that energy is lost, with the numbers of the lines `balance` and `trust`,
+   !! and the remedy that lowered the loss in all tests of doc/guide/choose.md. Collective.
    subroutine warn_of_energy(simulation, parts, now, trust, log)
       type(simulation_t), intent(in) :: simulation   !! Method and materials are used
       logical, intent(in) :: parts                   !! Does a body touch itself?

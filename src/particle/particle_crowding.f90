@@ -96,10 +96,10 @@ contains
       end do
    end subroutine measure_claims
 
-   !> Sums over the particles of a tile for the noise of the pressure, equation (L.9): volume; squares
-   !! of the stress that resists and of the kinetic energy density; squares of the differences of
-   !! pressures from nodal means. Only cells whose nodes are all complete count. Failed particles
-   !! have neither stress nor noise.
+   !> Sums over the particles of a tile for the noise of the pressure, equation (L.9): volume;
+   !! squares of the stress that resists and of the kinetic energy density; squares of the
+   !! differences of pressures from nodal means. Only cells whose nodes are all complete count.
+   !! Failed particles have neither stress nor noise.
    pure subroutine measure_noise(grid, coordinate, alone, store, tile, locks, patch, sums)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0

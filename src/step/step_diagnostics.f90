@@ -16,8 +16,8 @@ module step_diagnostics
    implicit none
    private
 
-   public :: bounds_limits_t, bounds_sample_t, examine_bounds, examine_shapes, find_greatest, find_unbalanced, &
-      shapes_sample_t, watch_unbalanced
+   public :: bounds_limits_t, bounds_sample_t, examine_bounds, examine_shapes, find_greatest, &
+      find_unbalanced, shapes_sample_t, watch_unbalanced
 
    integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
    integer, parameter, public :: measure_heat = 2    !! Carried energy per mass [J/kg]
@@ -318,6 +318,7 @@ contains
       integer(int64), intent(inout) :: who(:)        !! (tile) Particles of the greatest distance
       type(neighbour_table_t) :: table
       real(wp), allocatable :: patch(:, :), total(:, :)
+      real(wp) :: all(sums - noise + 1)
       logical, allocatable :: alone(:)
       integer :: tile, index
 
@@ -337,8 +338,10 @@ contains
                   call add_to_nodes(grid, coordinate, store, tile, material%density, &
                      is_loose(material), patch)
                   total = total + patch
+                  all = 0.0_wp
                   call measure_noise(grid, coordinate, alone, store, tile, may_lock(material), &
-                     patch, found(noise:sums, tile))
+                     patch, all)
+                  found(noise:sums, tile) = found(noise:sums, tile) + all
                   if (is_solid(material)) call examine_lengths(simulation%space, &
                      simulation%balance, table, store, tile, found(:, tile), who(tile))
                end associate

@@ -14,8 +14,9 @@ module step_trust
    use particle_body, only: body_t
    use particle_neighbours, only: lattice_t
    use particle_store, only: store_t
-   use step_diagnostics, only: bounds_limits_t, bounds_sample_t, examine_bounds, examine_shapes, find_greatest, &
-      measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_sample_t
+   use step_diagnostics, only: bounds_limits_t, bounds_sample_t, examine_bounds, examine_shapes, &
+      find_greatest, measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, &
+      shapes_sample_t
    use step_ledger, only: balance_t, external_work, internal, mass, retired_mass, torque
    use step_method, only: method_t
    use step_offending_particle, only: fixed_step_text, name_particle, step_text
@@ -230,9 +231,9 @@ contains
          trust%least_energy, limits, sample)
    end subroutine measure_bounds
 
-   !> Update speeds and energies. The energy of implausible particles is rated by its mean over time:
-   !! a few fast particles while hardly anything moves have no weight, and an instability, which
-   !! grows, dominates. Manufactured solutions have no limits.
+   !> Update speeds and energies. The energy of implausible particles is rated by its mean over
+   !! time: a few fast particles while hardly anything moves have no weight, and an instability,
+   !! which grows, dominates. Manufactured solutions have no limits.
    pure subroutine note_bounds(simulation, sample, trust)
       type(simulation_t), intent(in) :: simulation
       type(bounds_sample_t), intent(in) :: sample        !! Measured values
@@ -242,7 +243,8 @@ contains
       if (allocated(simulation%effects%exact)) return
       square = explained_square(simulation, trust)
       associate (greatest => trust%greatest, worst => trust%worst)
-         trust%integral(3:4) = trust%integral(3:4) + simulation%clock%dt*[sample%fast, sample%odd]
+         trust%integral(3) = trust%integral(3) + simulation%clock%dt*sample%fast
+         trust%integral(4) = trust%integral(4) + simulation%clock%dt*sample%odd
          trust%whole(3:4) = trust%whole(3:4) + simulation%clock%dt*sample%whole
          if (square > 0.0_wp) then
             greatest(trust_speed) = max(greatest(trust_speed), sample%speed/sqrt(square))

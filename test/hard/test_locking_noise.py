@@ -7,8 +7,8 @@ decks that have it), and a `bbar` that no longer lowers the noise.
 
 A rough strip footing on clay without friction: the mean pressure is (2 + pi) c (L. Prandtl, Nachr. Ges. Wiss.
 Goettingen (1920) 74). The edge of the foot lies on nodes, so its half width is between 0.5 m and half a cell more,
-12.5 %. Rubber and von Mises: a block of 20 x 10 cells under a stamp of 8 cells; the limit of the noise is that of trust:
-unresolved pressures as large as the shear stress.
+12.5 %. Rubber and von Mises: a block of 20 x 10 cells under a stamp of 8 cells; the limit of the noise is that of
+trust: unresolved pressures as large as the shear stress.
 """
 # tiers: full, long
 # timeout: 300
