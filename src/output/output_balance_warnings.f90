@@ -48,8 +48,8 @@ contains
       remedy = "use finer cells"
       if (simulation%space%grid%dimensions > 1 .and. .not. (simulation%scheme%method%even .or. &
          parts)) remedy = "write antilock = 'bbar' in &method, or use finer cells"
-      write (times, "(es8.1)") trust%worst(trust_noise)
-      call log%warn("warning: pressures of neighbouring particles differ by"//trim(times)// &
+      write (times, "(f0.1)") min(trust%worst(trust_noise), 1.0e6_wp)
+      call log%warn("warning: pressures of neighbouring particles differ by "//trim(times)// &
          " times the shear stress: material that keeps its volume locks, and is too stiff; "// &
          remedy)
    end subroutine warn_of_noise

@@ -231,9 +231,9 @@ contains
          trust%least_energy, limits, sample)
    end subroutine measure_bounds
 
-   !> Update speeds and energies. The energy of implausible particles is rated by its mean over
-   !! time: a few fast particles while hardly anything moves have no weight, and an instability,
-   !! which grows, dominates. Manufactured solutions have no limits.
+   !> Update speeds and energies. The energy of implausible particles is rated by its mean over the
+   !! steps: a few fast particles while hardly anything moves have no weight, and an instability,
+   !! which grows while steps become short, dominates. Manufactured solutions have no limits.
    pure subroutine note_bounds(simulation, sample, trust)
       type(simulation_t), intent(in) :: simulation
       type(bounds_sample_t), intent(in) :: sample        !! Measured values
@@ -243,9 +243,9 @@ contains
       if (allocated(simulation%effects%exact)) return
       square = explained_square(simulation, trust)
       associate (greatest => trust%greatest, worst => trust%worst)
-         trust%integral(3) = trust%integral(3) + simulation%clock%dt*sample%fast
-         trust%integral(4) = trust%integral(4) + simulation%clock%dt*sample%odd
-         trust%whole(3:4) = trust%whole(3:4) + simulation%clock%dt*sample%whole
+         trust%integral(3) = trust%integral(3) + sample%fast
+         trust%integral(4) = trust%integral(4) + sample%odd
+         trust%whole(3:4) = trust%whole(3:4) + sample%whole
          if (square > 0.0_wp) then
             greatest(trust_speed) = max(greatest(trust_speed), sample%speed/sqrt(square))
             worst(trust_speed) = trust_mean(trust, 3)
