@@ -46,8 +46,8 @@ module io_trust_record
       !> Greatest of single particles: distance of neighbours [cells], speed and energy over the
       !! explained ones; of noise: at one time
       real(wp) :: greatest(trust_entries) = 0.0_wp
-      !> Integrals over time of the entries `trust_means`, and of what they are relative to; noise is
-      !! a square. Of speed and heat: sums over the steps of energies, and of that of all particles
+      !> Integrals over time of the entries `trust_means`, and of what they are relative to; noise
+      !! is a square. Of speed and heat: sums over the steps of energies, and of that of all
       real(wp) :: integral(size(trust_means)) = 0.0_wp, whole(size(trust_means)) = 0.0_wp
       real(wp) :: checked = 0.0_wp                   !! End of the integrals [s]
       real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
