@@ -96,28 +96,25 @@ contains
       end do
    end subroutine measure_claims
 
-   !> Squares of the pressures of particles and of their differences from nodal means, weighted by
-   !! volume; their kinetic energy; the particle that differs most. Only cells whose nodes are all
-   !! complete count, and particles that have not failed. Equation (L.9).
-   pure subroutine measure_noise(grid, coordinate, alone, store, tile, patch, sums, worst)
+   !> Sums over the particles of a tile for the noise of the pressure, equation (L.9): volume;
+   !! squares of the stress that resists and of the kinetic energy density; squares of the
+   !! differences of pressures from nodal means. Only cells whose nodes are all complete count.
+   !! Failed particles have neither stress nor noise.
+   pure subroutine measure_noise(grid, coordinate, alone, store, tile, locks, patch, sums)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
+      logical, intent(in) :: locks                   !! May the material lock?
       real(wp), intent(in) :: patch(:, :)            !! (2, node) As above, of this store
-      !> Volume; times p2; times difference2; kinetic energy; greatest difference so far [Pa]
-      real(wp), intent(inout) :: sums(5)
-      integer, intent(out) :: worst                  !! Particle with this difference, 0 = none
-      real(wp) :: weight(8), mean, pressure
+      !> Volume [m3]; times squares of stress and of difference [m3 Pa2]
+      real(wp), intent(inout) :: sums(3)
+      real(wp) :: weight(8), mean, pressure, kinetic
       integer :: node(8), lane, lanes_used, p
 
-      worst = 0
       lanes_used = 2**grid%dimensions
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         if (allocated(store%state%failed)) then
-            if (store%state%failed(p) /= 0) cycle
-         end if
          call find_nodes(grid, coordinate, store, p, node, weight)
          if (.not. all(alone(node(:lanes_used)))) cycle
          mean = 0.0_wp
@@ -125,15 +122,17 @@ contains
             if (patch(1, node(lane)) > 0.0_wp) &
                mean = mean + weight(lane)*patch(2, node(lane))/patch(1, node(lane))
          end do
-         pressure = pressure_of(store, p)
          sums(1) = sums(1) + store%state%volume(p)
-         sums(2) = sums(2) + store%state%volume(p)*pressure**2
-         sums(3) = sums(3) + store%state%volume(p)*(pressure - mean)**2
-         sums(4) = sums(4) + 0.5_wp*store%state%mass(p)*(store%velocity(p, 1)**2 &
+         kinetic = 0.5_wp*store%state%mass(p)*(store%velocity(p, 1)**2 &
             + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
-         if (.not. abs(pressure - mean) > sums(5)) cycle
-         sums(5) = abs(pressure - mean)
-         worst = p
+         sums(2) = sums(2) + kinetic**2/store%state%volume(p)
+         if (allocated(store%state%failed)) then
+            if (store%state%failed(p) /= 0) cycle
+         end if
+         pressure = pressure_of(store, p)
+         sums(2) = sums(2) + store%state%volume(p)*merge(deviator_square(store, p), &
+            pressure**2, locks)
+         sums(3) = sums(3) + store%state%volume(p)*(pressure - mean)**2
       end do
    end subroutine measure_noise
 
@@ -145,6 +144,16 @@ contains
       pressure = -(store%state%stress(p, 1) + store%state%stress(p, 2) &
          + store%state%stress(p, 3))/3.0_wp
    end function pressure_of
+
+   !> Square of the deviatoric stress of a particle, s:s [Pa2].
+   pure real(wp) function deviator_square(store, p) result(square)
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
+
+      associate (s => store%state%stress)
+         square = sum((s(p, :3) + pressure_of(store, p))**2) + 2.0_wp*sum(s(p, 4:)**2)
+      end associate
+   end function deviator_square
 
    !> Nodes of the cell of a particle and their linear shape functions there.
    pure subroutine find_nodes(grid, coordinate, store, p, node, weight)

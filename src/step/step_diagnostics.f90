@@ -6,6 +6,7 @@
 module step_diagnostics
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
+   use material_kinds, only: may_lock
    use material_type, only: material_t
    use particle_crowding, only: add_to_nodes, measure_claims, measure_noise, nodes_alone
    use particle_neighbours, only: neighbour_table_t
@@ -15,8 +16,8 @@ module step_diagnostics
    implicit none
    private
 
-   public :: bounds_sample_t, examine_bounds, examine_shapes, find_greatest, find_unbalanced, &
-      shapes_sample_t, watch_unbalanced
+   public :: bounds_limits_t, bounds_sample_t, examine_bounds, examine_shapes, find_greatest, &
+      find_unbalanced, shapes_sample_t, watch_unbalanced
 
    integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
    integer, parameter, public :: measure_heat = 2    !! Carried energy per mass [J/kg]
@@ -30,23 +31,31 @@ module step_diagnostics
       real(wp) :: heat = -huge(1.0_wp)               !! Greatest carried energy per mass [J/kg]
       real(wp) :: cold = huge(1.0_wp)                !! Least of these [J/kg]
       real(wp) :: energy = 0.0_wp                    !! Greatest energy of one particle [J]
+      real(wp) :: whole = 0.0_wp                     !! Energy of all particles [J]
+      real(wp) :: fast = 0.0_wp                      !! Of those faster than the limit [J]
+      real(wp) :: odd = 0.0_wp !! Of those with an energy per mass beyond the limits [J]
    end type bounds_sample_t
+
+   !> Limits of plausible particles.
+   type :: bounds_limits_t
+      real(wp) :: square = huge(1.0_wp)              !! Square of the speed [m2/s2]
+      real(wp) :: hot = huge(1.0_wp)                 !! Greatest energy per mass [J/kg]
+      real(wp) :: cold = -huge(1.0_wp)               !! Least energy per mass [J/kg]
+   end type bounds_limits_t
 
    !> Distances of neighbours, volumes in cells, and noise of pressures.
    type :: shapes_sample_t
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
       real(wp) :: share = 0.0_wp                     !! Mass fraction with separated neighbours [1]
       real(wp) :: overlap = 0.0_wp                   !! Volume in excess of the cells [1]
-      real(wp) :: pressure = 0.0_wp                  !! Root mean square of pressure [Pa]
-      real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy per volume [Pa]
+      real(wp) :: stress = 0.0_wp !! Root mean square of the stress that resists, with inertia [Pa]
       real(wp) :: difference = 0.0_wp                !! Root mean square from node means [Pa]
       integer(int64) :: longest_identity = huge(1_int64)    !! Particle with the farthest neighbour
-      integer(int64) :: difference_identity = huge(1_int64) !! Of the greatest pressure noise
    end type shapes_sample_t
 
-   !> Columns of the results of a tile: sums, and greatest values from the ninth on.
+   !> Columns of the results of a tile: sums, and the greatest distance.
    integer, parameter :: far_mass = 1, seen_mass = 2, claimed = 3, occupied = 4, noise = 5, &
-      sums = 8, longest = 9, differs = 10, columns = 10
+      sums = 7, longest = 8
 
 contains
 
@@ -91,25 +100,29 @@ contains
          ratio = force%value()*simulation%space%grid%spacing/strength%value()
    end subroutine find_unbalanced
 
-   !> Greatest speed, energies of particles. Collective.
-   subroutine examine_bounds(space, stores, machine, least_energy, sample)
+   !> Greatest speed, energies of particles, and the energy of implausible ones. Collective.
+   subroutine examine_bounds(space, stores, machine, least_energy, limits, sample)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(inout) :: machine
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
+      type(bounds_limits_t), intent(in) :: limits    !! Of plausible particles
       type(bounds_sample_t), intent(out) :: sample       !! Measured values
       real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
-      integer :: index, tile
+      real(wp) :: energies(3, space%tiles%own), total(3)
+      type(exact_sum_t) :: sum
+      integer :: index, n, tile
 
       greatest = -huge(1.0_wp)
-      !$omp parallel do default(none) shared(space, stores, machine, least_energy, greatest) &
-      !$omp private(tile, index) schedule(static)
+      energies = 0.0_wp
+      !$omp parallel do default(none) shared(space, stores, machine, least_energy, limits) &
+      !$omp shared(greatest, energies) private(tile, index) schedule(static)
       do tile = 1, space%tiles%own
          do index = 1, size(stores)
             associate (store => stores(index))
                if (store%count(tile) == 0) cycle
                call find_bounds(store, store%first(tile), store%first(tile) + store%count(tile) &
-                  - 1, least_energy, greatest(:, tile))
+                  - 1, least_energy, limits, greatest(:, tile), energies(:, tile))
             end associate
          end do
       end do
@@ -120,17 +133,30 @@ contains
       sample%heat = all(2)
       sample%cold = -all(3)
       sample%energy = max(0.0_wp, all(4))
+      do n = 1, 3
+         call sum%clear()
+         do tile = 1, space%tiles%own
+            call sum%add(energies(n, tile))
+         end do
+         call sum%over_ranks(machine%communicator)
+         total(n) = sum%value()
+      end do
+      sample%whole = total(1)
+      sample%fast = total(2)
+      sample%odd = total(3)
    end subroutine examine_bounds
 
    !> The greatest values of a range of particles: square of the speed, energy per mass, its
-   !! negative, energy.
-   pure subroutine find_bounds(store, first, last, least_energy, greatest)
+   !! negative, energy. Adds up the energy of all, of fast, and of hot or cold particles.
+   pure subroutine find_bounds(store, first, last, least_energy, limits, greatest, energies)
       type(store_t), intent(in) :: store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
+      type(bounds_limits_t), intent(in) :: limits    !! Of plausible particles
       real(wp), intent(inout) :: greatest(4)         !! As above
-      real(wp) :: square, speed, hot, cold, energy
+      real(wp), intent(inout) :: energies(3)         !! As above [J]
+      real(wp) :: square, speed, hot, cold, energy, own
       integer :: p
 
       speed = greatest(1)
@@ -144,14 +170,23 @@ contains
                speed = max(speed, square)
                hot = max(hot, state%energy(p))
                cold = max(cold, -state%energy(p))
-               energy = max(energy, state%mass(p)*(0.5_wp*square + state%energy(p) &
-                  - least_energy))
+               own = state%mass(p)*(0.5_wp*square + state%energy(p) - least_energy)
+               energy = max(energy, own)
+               energies(1) = energies(1) + state%mass(p)*(0.5_wp*square &
+                  + abs(state%energy(p) - least_energy))
+               if (square > limits%square) &
+                  energies(2) = energies(2) + 0.5_wp*state%mass(p)*square
+               if (state%energy(p) > limits%hot .or. state%energy(p) < limits%cold) &
+                  energies(3) = energies(3) + state%mass(p)*abs(state%energy(p) - least_energy)
             end do
          else
             do p = first, last
                square = v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2
                speed = max(speed, square)
-               energy = max(energy, 0.5_wp*state%mass(p)*square)
+               own = 0.5_wp*state%mass(p)*square
+               energy = max(energy, own)
+               energies(1) = energies(1) + own
+               if (square > limits%square) energies(2) = energies(2) + own
             end do
          end if
       end associate
@@ -237,14 +272,14 @@ contains
       type(simulation_t), intent(in) :: simulation   !! Between two steps
       type(shapes_sample_t), intent(out) :: sample       !! Measured values
       real(wp), allocatable :: found(:, :)
-      integer(int64), allocatable :: who(:, :)
+      integer(int64), allocatable :: who(:)
       type(exact_sum_t) :: sum
-      real(wp) :: total(sums), greatest(longest:differs)
-      integer(int64) :: identity(longest:differs)
+      real(wp) :: total(sums), greatest
+      integer(int64) :: identity
       integer :: n, tile
 
-      allocate (found(columns, simulation%space%tiles%own), source=0.0_wp)
-      allocate (who(longest:differs, simulation%space%tiles%own), source=huge(1_int64))
+      allocate (found(longest, simulation%space%tiles%own), source=0.0_wp)
+      allocate (who(simulation%space%tiles%own), source=huge(1_int64))
       !$omp parallel default(none) shared(simulation, found, who)
       call examine_sample(simulation, found, who)
       !$omp end parallel
@@ -256,38 +291,34 @@ contains
          call sum%over_ranks(simulation%machine%communicator)
          total(n) = sum%value()
       end do
-      do n = longest, differs
-         greatest(n) = 0.0_wp
-         identity(n) = huge(1_int64)
-         do tile = 1, simulation%space%tiles%own
-            if (found(n, tile) < greatest(n)) cycle
-            if (found(n, tile) > greatest(n)) identity(n) = huge(1_int64)
-            greatest(n) = found(n, tile)
-            identity(n) = min(identity(n), who(n, tile))
-         end do
-         identity(n) = lowest_of(simulation%machine, greatest(n), identity(n))
+      greatest = 0.0_wp
+      identity = huge(1_int64)
+      do tile = 1, simulation%space%tiles%own
+         if (found(longest, tile) < greatest) cycle
+         if (found(longest, tile) > greatest) identity = huge(1_int64)
+         greatest = found(longest, tile)
+         identity = min(identity, who(tile))
       end do
+      sample%longest_identity = lowest_of(simulation%machine, greatest, identity)
       sample%longest = &
-         simulation%machine%communicator%maximum(greatest(longest))/simulation%space%grid%spacing
+         simulation%machine%communicator%maximum(greatest)/simulation%space%grid%spacing
       if (total(seen_mass) > 0.0_wp) sample%share = total(far_mass)/total(seen_mass)
       if (total(occupied) > 0.0_wp) sample%overlap = (total(claimed) - total(occupied)) &
          /total(occupied)
       if (total(noise) > 0.0_wp) then
-         sample%pressure = sqrt(total(noise + 1)/total(noise))
+         sample%stress = sqrt(total(noise + 1)/total(noise))
          sample%difference = sqrt(total(noise + 2)/total(noise))
-         sample%kinetic = total(noise + 3)/total(noise)
       end if
-      sample%longest_identity = identity(longest)
-      sample%difference_identity = identity(differs)
    end subroutine examine_shapes
 
    !> The tiles of one thread, with scratch space of its own.
    subroutine examine_sample(simulation, found, who)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(inout) :: found(:, :)         !! (column, tile)
-      integer(int64), intent(inout) :: who(longest:, :) !! (column, tile) Particles of the greatest
+      integer(int64), intent(inout) :: who(:)        !! (tile) Particles of the greatest distance
       type(neighbour_table_t) :: table
       real(wp), allocatable :: patch(:, :), total(:, :)
+      real(wp) :: all(sums - noise + 1)
       logical, allocatable :: alone(:)
       integer :: tile, index
 
@@ -307,11 +338,12 @@ contains
                   call add_to_nodes(grid, coordinate, store, tile, material%density, &
                      is_loose(material), patch)
                   total = total + patch
-                  call examine_noise(simulation%space, store, tile, alone, patch, found(:, tile), &
-                     who(:, tile))
+                  all = 0.0_wp
+                  call measure_noise(grid, coordinate, alone, store, tile, may_lock(material), &
+                     patch, all)
+                  found(noise:sums, tile) = found(noise:sums, tile) + all
                   if (is_solid(material)) call examine_lengths(simulation%space, &
-                     simulation%balance, table, store, tile, &
-                     found(:, tile), who(:, tile))
+                     simulation%balance, table, store, tile, found(:, tile), who(tile))
                end associate
             end do
             call measure_claims(grid, coordinate, alone, total, found(claimed, tile), &
@@ -321,30 +353,6 @@ contains
       !$omp end do
    end subroutine examine_sample
 
-   !> Pressures of a store in a tile.
-   pure subroutine examine_noise(space, store, tile, alone, patch, found, who)
-      type(space_t), intent(in) :: space
-      type(store_t), intent(in) :: store
-      integer, intent(in) :: tile
-      logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
-      real(wp), intent(in) :: patch(:, :)            !! (2, node) Patch of this store
-      real(wp), intent(inout) :: found(:)            !! (column)
-      integer(int64), intent(inout) :: who(longest:) !! (column)
-      real(wp) :: all(5)
-      integer :: p, n
-
-      all = 0.0_wp
-      call measure_noise(space%grid, space%tiles%coordinate(:, tile), alone, store, &
-         tile, patch, all, p)
-      do n = 1, 4
-         found(noise + n - 1) = found(noise + n - 1) + all(n)
-      end do
-      if (p == 0 .or. all(5) < found(differs)) return
-      if (all(5) > found(differs)) who(differs) = huge(1_int64)
-      found(differs) = all(5)
-      who(differs) = min(who(differs), store%identity(p))
-   end subroutine examine_noise
-
    !> Distances of neighbours of a store in a tile.
    pure subroutine examine_lengths(space, balance, table, store, tile, found, who)
       type(space_t), intent(in) :: space
@@ -353,7 +361,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(inout) :: found(:)            !! (column)
-      integer(int64), intent(inout) :: who(longest:) !! (column)
+      integer(int64), intent(inout) :: who           !! Particle with the farthest neighbour
       real(wp) :: length(store%count(tile)), mass
       integer :: p
 
@@ -364,9 +372,9 @@ contains
          found(seen_mass) = found(seen_mass) + mass
          if (length(p) > apart*space%grid%spacing) found(far_mass) = found(far_mass) + mass
          if (length(p) < found(longest)) cycle
-         if (length(p) > found(longest)) who(longest) = huge(1_int64)
+         if (length(p) > found(longest)) who = huge(1_int64)
          found(longest) = length(p)
-         who(longest) = min(who(longest), store%identity(store%first(tile) + p - 1))
+         who = min(who, store%identity(store%first(tile) + p - 1))
       end do
    end subroutine examine_lengths
 

@@ -8,21 +8,22 @@ module step_trust
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_log, only: log_t
-   use material_kinds, only: is_fluid, may_lock
+   use material_kinds, only: is_fluid
    use material_type, only: material_t
    use mesh_motion, only: motion_t
    use particle_body, only: body_t
    use particle_neighbours, only: lattice_t
    use particle_store, only: store_t
-   use step_diagnostics, only: bounds_sample_t, examine_bounds, examine_shapes, find_greatest, &
-      measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_sample_t
+   use step_diagnostics, only: bounds_limits_t, bounds_sample_t, examine_bounds, examine_shapes, &
+      find_greatest, measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, &
+      shapes_sample_t
    use step_ledger, only: balance_t, external_work, internal, mass, retired_mass, torque
    use step_method, only: method_t
    use step_offending_particle, only: fixed_step_text, name_particle, step_text
    use step_simulation, only: conservation_t, machine_t, scheme_t, simulation_t
    use io_trust_record, only: apart, trust_angular, trust_bad, trust_damped, trust_energy, &
-      trust_heat, trust_momentum, trust_noise, trust_ok, trust_retired, trust_speed, &
-      trust_stretch, trust_t, trust_volume, verdict_of
+      trust_heat, trust_mean, trust_means, trust_momentum, trust_noise, trust_ok, trust_retired, &
+      trust_speed, trust_stretch, trust_t, trust_volume, verdict_of
    implicit none
    private
 
@@ -34,7 +35,10 @@ module step_trust
    real(wp), parameter :: slow = 1.0e-3_wp
    integer(int64), parameter :: bounds_every = 5     !! Steps between checks of speed and energy
    integer(int64), parameter :: work_every = 50      !! ... between sums of the work
-   integer(int64), parameter :: shapes_every = 250 !! Steps between checks of distances and volumes
+   !> Steps between checks of distances, volumes and noise; shorter at first, for short runs
+   integer(int64), parameter :: shapes_every = 250, shapes_first = 50, shapes_later = 1000
+   !> Particles beyond these multiples of the explained speed and energy are implausible [1]
+   real(wp), parameter :: fast = 2.0_wp, hot = 4.0_wp, cold = 1.0_wp
 
 contains
 
@@ -75,9 +79,11 @@ contains
       type(bounds_sample_t) :: sample
 
       if (simulation%balance%trust%begun) return
-      call examine_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, sample)
+      call examine_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, &
+         bounds_limits_t(), sample)
       associate (trust => simulation%balance%trust)
          trust%begun = .true.
+         trust%checked = simulation%clock%time
          trust%start_speed = sample%speed
          trust%start_energy = &
             simulation%machine%communicator%maximum(greatest_stored(simulation%materials, &
@@ -121,16 +127,16 @@ contains
       if (mod(simulation%clock%step, work_every) == 0) call note_work(simulation%balance, &
          simulation%machine, simulation%balance%trust)
       if (mod(simulation%clock%step, bounds_every) == 0) then
-         call examine_bounds(simulation%space, simulation%stores, simulation%machine, &
-            simulation%balance%trust%least_energy, bounds)
+         call measure_bounds(simulation, simulation%balance%trust, bounds)
          call note_bounds(simulation, bounds, simulation%balance%trust)
          call warn_of_bounds(simulation, bounds, log)
          call refuse_impossible(simulation, bounds, error)
          if (allocated(error)) return
       end if
-      if (mod(simulation%clock%step, shapes_every) == 0) then
+      if (mod(simulation%clock%step, merge(shapes_first, shapes_every, &
+         simulation%clock%step < shapes_later)) == 0) then
          call examine_shapes(simulation, shapes)
-         call note_shapes(shapes, simulation%balance%trust)
+         call note_shapes(shapes, simulation%clock%time, simulation%balance%trust)
          call warn_of_shapes(simulation, shapes, log)
       end if
    end subroutine watch_trust
@@ -150,11 +156,10 @@ contains
       trust%failed = code == exit_physics
       if (trust%begun .and. code /= exit_physics) then
          call note_work(simulation%balance, simulation%machine, trust)
-         call examine_bounds(simulation%space, simulation%stores, simulation%machine, &
-            trust%least_energy, bounds)
+         call measure_bounds(simulation, trust, bounds)
          call note_bounds(simulation, bounds, trust)
          call examine_shapes(simulation, shapes)
-         call note_shapes(shapes, trust)
+         call note_shapes(shapes, simulation%clock%time, trust)
       end if
       trust%worst(trust_energy) = abs(now%energy_error)
       trust%worst(trust_damped) = now%damped_share
@@ -185,48 +190,90 @@ contains
       trust%worst(trust_angular) = now%turn_error
    end subroutine rate_turning
 
-   !> Update the worst values of distances, volumes and pressures.
-   pure subroutine note_shapes(sample, trust)
+   !> Update distances, volumes and pressures. Material that has separated stays apart, so its
+   !! greatest fraction is rated; pressures fluctuate, so their mean over time is rated.
+   !! Equation (L.9).
+   pure subroutine note_shapes(sample, time, trust)
       type(shapes_sample_t), intent(in) :: sample        !! Measured values
-      type(trust_t), intent(inout) :: trust          !! The worst so far
+      real(wp), intent(in) :: time                   !! Time of the sample [s]
+      type(trust_t), intent(inout) :: trust          !! The values so far
+      real(wp) :: passed
 
-      trust%longest = max(trust%longest, sample%longest)
-      trust%worst(trust_stretch) = max(trust%worst(trust_stretch), sample%share)
-      trust%worst(trust_volume) = max(trust%worst(trust_volume), sample%overlap)
-      ! pressures that are small compared with the inertia of the motion have no weight
-      trust%pressure = max(trust%pressure, sample%pressure, sample%kinetic)
-      trust%difference = max(trust%difference, sample%difference)
-      if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
+      passed = time - trust%checked
+      trust%checked = time
+      trust%integral([1, 2, 5]) = trust%integral([1, 2, 5]) + passed*[sample%overlap, &
+         sample%share, sample%difference**2]
+      trust%whole([1, 2, 5]) = trust%whole([1, 2, 5]) + passed*[1.0_wp, 1.0_wp, sample%stress**2]
+      associate (greatest => trust%greatest, worst => trust%worst)
+         greatest(trust_stretch) = max(greatest(trust_stretch), sample%longest)
+         if (sample%stress > 0.0_wp) &
+            greatest(trust_noise) = max(greatest(trust_noise), sample%difference/sample%stress)
+         worst(trust_stretch) = max(worst(trust_stretch), sample%share)
+         worst(trust_volume) = max(worst(trust_volume), sample%overlap)
+         worst(trust_noise) = trust_mean(trust, 5)
+      end associate
    end subroutine note_shapes
 
-   !> Update the worst values of speeds and energies, relative to the greatest plausible ones.
-   !! Equations (L.10) and (L.11) of doc/theory/ledger.md. Manufactured solutions have no such
-   !! limits.
+   !> Measure speeds and energies, with the limits of plausible ones: equations (L.10) and (L.11) of
+   !! doc/theory/ledger.md. Collective.
+   subroutine measure_bounds(simulation, trust, sample)
+      type(simulation_t), intent(inout) :: simulation
+      type(trust_t), intent(in) :: trust             !! Values so far
+      type(bounds_sample_t), intent(out) :: sample       !! Measured values
+      type(bounds_limits_t) :: limits
+      real(wp) :: scale
+
+      limits%square = fast**2*explained_square(simulation, trust)
+      scale = explained_energy(simulation, trust)
+      limits%hot = trust%least_energy + hot*scale
+      limits%cold = trust%least_energy - cold*scale
+      call examine_bounds(simulation%space, simulation%stores, simulation%machine, &
+         trust%least_energy, limits, sample)
+   end subroutine measure_bounds
+
+   !> Update speeds and energies. The energy of implausible particles is rated by its mean over the
+   !! steps: a few fast particles while hardly anything moves have no weight, and an instability,
+   !! which grows while steps become short, dominates. Manufactured solutions have no limits.
    pure subroutine note_bounds(simulation, sample, trust)
       type(simulation_t), intent(in) :: simulation
       type(bounds_sample_t), intent(in) :: sample        !! Measured values
-      type(trust_t), intent(inout) :: trust          !! The worst so far
+      type(trust_t), intent(inout) :: trust          !! The values so far
       real(wp) :: square, scale
 
       if (allocated(simulation%effects%exact)) return
       square = explained_square(simulation, trust)
-      if (square > 0.0_wp) trust%worst(trust_speed) = max(trust%worst(trust_speed), &
-         sample%speed/sqrt(square))
-      if (sample%heat < sample%cold) return
-      scale = max(0.5_wp*square, 0.01_wp*greatest_wave_square(simulation%materials))
-      if (.not. scale > 0.0_wp) return
-      call take_worse(trust%worst(trust_heat), (sample%heat - trust%least_energy)/scale)
-      call take_worse(trust%worst(trust_heat), (sample%cold - trust%least_energy)/scale)
+      associate (greatest => trust%greatest, worst => trust%worst)
+         trust%integral(3) = trust%integral(3) + sample%fast
+         trust%integral(4) = trust%integral(4) + sample%odd
+         trust%whole(3:4) = trust%whole(3:4) + sample%whole
+         if (square > 0.0_wp) then
+            greatest(trust_speed) = max(greatest(trust_speed), sample%speed/sqrt(square))
+            worst(trust_speed) = trust_mean(trust, 3)
+         end if
+         scale = explained_energy(simulation, trust)
+         if (sample%heat < sample%cold .or. .not. scale > 0.0_wp) return
+         worst(trust_heat) = trust_mean(trust, 4)
+         call take_worse(greatest(trust_heat), (sample%heat - trust%least_energy)/scale)
+         call take_worse(greatest(trust_heat), (sample%cold - trust%least_energy)/scale)
+      end associate
    end subroutine note_bounds
 
-   !> Update the worst value of heat.
+   !> Update the value of heat that is farthest beyond its limit.
    pure subroutine take_worse(worst, value)
       real(wp), intent(inout) :: worst               !! So far
       real(wp), intent(in) :: value                  !! Another one
-      real(wp), parameter :: cold = 4.0_wp           ! limits of cold are a fourth of those of heat
 
-      if (max(value, -cold*value) > max(worst, -cold*worst)) worst = value
+      if (max(value/hot, -value/cold) > max(worst/hot, -worst/cold)) worst = value
    end subroutine take_worse
+
+   !> Energy per mass that start, walls, gravity and work explain [J/kg].
+   pure real(wp) function explained_energy(simulation, trust) result(energy)
+      type(simulation_t), intent(in) :: simulation
+      type(trust_t), intent(in) :: trust             !! Values so far
+
+      energy = max(0.5_wp*explained_square(simulation, trust), &
+         0.01_wp*greatest_wave_square(simulation%materials))
+   end function explained_energy
 
    !> Update the greatest work of walls and gravity so far. Collective.
    subroutine note_work(balance, machine, trust)
@@ -315,9 +362,9 @@ contains
       character(len=160) :: text
 
       associate (trust => simulation%balance%trust)
-         if (warns(trust, trust_speed, trust_bad)) then
+         if (warns(trust, trust_speed)) then
             write (text, "(a,es10.3,a,es9.2,a)") "its speed", sample%speed, " m/s is", &
-               trust%worst(trust_speed), " times the speed that initial "// &
+               trust%greatest(trust_speed), " times the speed that initial "// &
                "state, walls, gravity and work explain"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_speed, &
@@ -326,17 +373,17 @@ contains
                simulation%clock%guard%bounds%dt_fixed > 0.0_wp))// &
                " or more particles per cell (ppc)")
          end if
-         if (.not. warns(trust, trust_heat, trust_bad)) return
-         if (trust%worst(trust_heat) > 0.0_wp) then
+         if (.not. warns(trust, trust_heat)) return
+         if (trust%greatest(trust_heat) > 0.0_wp) then
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", sample%heat, " J/kg is", &
-               trust%worst(trust_heat), " times the energy supplied"
+               trust%greatest(trust_heat), " times the energy supplied"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_heat, &
                trust%least_energy), trim(text)//"; check its equation of state, or remove "// &
                "such particles with &time on_bad = 'retire'")
          else
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy ", sample%cold, &
-               " J/kg is below the least initial energy by", -trust%worst(trust_heat), &
+               " J/kg is below the least initial energy by", -trust%greatest(trust_heat), &
                " times the energy supplied"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_cold, &
@@ -346,7 +393,7 @@ contains
       end associate
    end subroutine warn_of_bounds
 
-   !> Warn of large gaps between neighbours, overlapping volumes, and noise. Collective.
+   !> Warn of large gaps between neighbours, and of overlapping volumes. Collective.
    subroutine warn_of_shapes(simulation, sample, log)
       type(simulation_t), intent(inout) :: simulation !! Set after the warning
       type(shapes_sample_t), intent(in) :: sample        !! Measured values
@@ -354,7 +401,7 @@ contains
       character(len=200) :: text
 
       associate (trust => simulation%balance%trust)
-         if (warns(trust, trust_stretch, trust_ok + 1)) then
+         if (warns(trust, trust_stretch)) then
             write (text, "(a,f0.2,a,f0.1,a,f0.1,a)") "its neighbour is ", sample%longest, &
                " cells away, and in ", 100.0_wp*sample%share, &
                " % of the mass neighbours are more than ", apart, " cells apart"
@@ -362,19 +409,13 @@ contains
                "they no longer interact; use more particles per cell (ppc), or &method split "// &
                "= .true.")
          end if
-         if (warns(trust, trust_volume, trust_bad)) then
-            write (text, "(a,f0.1,a)") "its volume has grown most, and particles have ", &
-               100.0_wp*sample%overlap, " % more volume than the cells that they fill"
-            call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
-               simulation%stores, simulation%machine, measure_volume, &
-               trust%least_energy), trim(text)//"; "//volume_remedy(simulation))
-         end if
-         if (.not. warns(trust, trust_noise, trust_bad)) return
-         write (text, "(a,f0.1,a)") "its pressure differs most from the surrounding "// &
-            "pressure; such differences are ", &
-            100.0_wp*trust%worst(trust_noise), " % of the pressure on average"
-         call warn_of_particle(simulation, log, sample%difference_identity, &
-            trim(text)//"; "//noise_remedy(simulation))
+         if (verdict_of(trust_volume, trust%worst(trust_volume)) /= trust_bad) return
+         if (.not. warns(trust, trust_volume)) return
+         write (text, "(a,f0.1,a)") "its volume has grown most, and particles have ", &
+            100.0_wp*sample%overlap, " % more volume than the cells that they fill"
+         call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
+            simulation%stores, simulation%machine, measure_volume, &
+            trust%least_energy), trim(text)//"; "//volume_remedy(simulation))
       end associate
    end subroutine warn_of_shapes
 
@@ -390,31 +431,14 @@ contains
          remedy = "use &method normalise = 'fluids', a lattice or more particles per cell (ppc)"
    end function volume_remedy
 
-   !> Remedy for noise of the pressure: the one that lowered it in the tests of section "Locking:
-   !! B-bar" of doc/theory/method.md, where the method allows it.
-   function noise_remedy(simulation) result(remedy)
-      type(simulation_t), intent(in) :: simulation
-      character(len=:), allocatable :: remedy
-      logical :: locks, parts
-      integer :: n
-
-      locks = any([(may_lock(simulation%materials(n)), n=1, size(simulation%materials))])
-      parts = any([(allocated(simulation%fields(n)%sides), n=1, size(simulation%fields))])
-      remedy = "use finer cells"
-      if (locks .and. simulation%space%grid%dimensions > 1 .and. .not. &
-         (simulation%scheme%method%even .or. parts)) remedy = "material that keeps its volume "// &
-         "locks; write antilock = 'bbar' in &method"
-   end function noise_remedy
-
-   !> Is a warning due? It is given once.
-   logical function warns(trust, entry, from) result(due)
+   !> Is a warning due? It is given once, when a value is no longer ok.
+   logical function warns(trust, entry) result(due)
       type(trust_t), intent(inout) :: trust          !! Notes that the warning is printed
       integer, intent(in) :: entry                   !! Subject of the warning
-      integer, intent(in) :: from                    !! Verdict from which on
 
       due = .false.
       if (trust%warned(entry)) return
-      due = verdict_of(entry, trust%worst(entry)) >= from
+      due = verdict_of(entry, trust%worst(entry)) /= trust_ok
       trust%warned(entry) = due
    end function warns
 

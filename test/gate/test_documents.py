@@ -56,6 +56,18 @@ class TestDocumentGate:
     def none(self, offences):
         assert len(offences) == 0, "\n" + "\n".join(offences)
 
+    def test_materials_that_lose_energy(self):
+        """The list of the manual is that of the sources: which equations of state and laws request an energy. Would
+        catch a new one, or one that begins to store energy, that the page does not name."""
+        text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").glob("*/*.f90"))
+        store = set(re.findall(r'%add\("energy", "(?:equation of state|strength model) (\w+)"', text))
+        states = {path.stem.removeprefix("eos_") for path in (ROOT / "src").glob("*/eos_*.f90")}
+        chosen = (ROOT / "doc" / "guide" / "choose.md").read_text(encoding="utf-8")
+        rows = {word: set(re.findall(r"[`'](\w+)[`']", re.search(rf"^\| {word} it \|(.*)\|$", chosen, re.M)[1]))
+                for word in ("store", "lose")}
+        assert len(states) > 6 and rows["store"] == store, (rows, store)
+        assert rows["lose"] == states - (store - {"jh2"}), (rows, states)
+
     def test_documents_are_found(self):
         assert len(DOCUMENTS) > 15
 
