@@ -3,7 +3,8 @@
 
 Would catch: a force that is assigned to another pair or has the wrong sign, one that is counted twice at nodes that
 tiles or ranks share, the second side of a failed body that is left out, a repeated step that counts twice, sums over
-the particles of another body, an output that changes the run, and friction that is not mu times the normal force.
+the particles of another body, an output that changes the run, friction that is not mu times the normal force,
+and fragments of several bodies in contact.
 
 Momentum of a body changes by the impulses of contact, walls and gravity alone: the residual is rounding, 1e-12 of the
 greatest impulse after some hundred steps. The time over which gravity acts on the particles is the same for both bodies
@@ -127,6 +128,28 @@ def test_friction(slope, sheet):
     sheet.require(len(pressed) > 10, "there are rows in which the block is pressed on the floor")
     ratio = -forces["block_floor_force_x"][pressed] / forces["block_floor_force_z"][pressed]
     sheet.below("friction of the rows, relative error", abs(ratio / FRICTION - 1.0).max(), 1.0 / 8.0)
+
+
+@pytest.mark.parametrize("name, words, masses", [
+    ("slides", {}, [240.0, 80.0]),
+    ("one field", {"contact=.true.": "contact=.false.", "&contact ": "! "}, [320.0]),
+    ("bonded", {"friction=0.2": "law='bonded'"}, [320.0])])
+def test_fragments(options, sheet, name, words, masses):
+    """Would catch bodies in contact that are one fragment, bonded bodies that are two, and a field that is not defined
+    as the table: the block touches the floor."""
+    text = SLIDE + "&output  name='g'  kind='fragments'  every=2 /\n" \
+        "&output  name='p'  kind='particles'  every=2  fields='fragment','mass' /\n"
+    for old, new in words.items():
+        assert old in text
+        text = text.replace(old, new)
+    run = case.Case(options, name.replace(" ", "_"), text).run("-q", "--set", "time.max_steps=4")
+    found = table(run, "fragments")
+    sheet.require(len(found["mass"]) == 3 * len(masses), f"{name}: rows of three times: {found['mass']}")
+    sheet.below(f"{name}: masses [kg]", abs(found["mass"][-len(masses):] - masses).max(), 1.0e-9)
+    _, last = run.snapshots()[-1]
+    number = last.fields["fragment"]
+    counted = [last.fields["mass"][number == one].sum() for one in np.unique(number)]
+    sheet.below(f"{name}: masses of the field [kg]", abs(np.array(counted) - masses).max(), 1.0e-3)
 
 
 def test_same_bytes(slope, options, sheet):
