@@ -17,6 +17,7 @@ module io_cells
    type :: cells_t
       integer :: count = 0                               !! Number of cells
       integer, allocatable :: place(:, :)                !! (3, cell) Coordinate in the grid, from 0
+      integer, allocatable :: group(:)                   !! (cell) Group of its particles, from 0
       integer, allocatable :: of_row(:)                  !! (row) Cell of a particle
    contains
       procedure :: sum => cells_sum                      !! Sums over particles
@@ -25,22 +26,28 @@ module io_cells
 
 contains
 
-   !> Find the cells of particles. Rows are particles, store after store.
-   subroutine find_cells(grid, tiles, stores, picks, cells)
+   !> Find the cells of particles. Rows are particles, store after store. A cell with particles of
+   !! several groups is there once for each.
+   subroutine find_cells(grid, tiles, stores, picks, cells, group)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(cells_t), intent(out) :: cells
-      integer, allocatable :: number(:, :), row_tile(:)
-      integer :: cell, filled, row, store, tile
+      integer, allocatable, intent(in), optional :: group(:) !! (store) From 0; default: one
+      integer, allocatable :: number(:, :, :), row_tile(:)
+      integer :: cell, filled, row, store, tile, of_store(size(stores))
 
+      of_store = 0
+      if (present(group)) then
+         if (allocated(group)) of_store = group
+      end if
       filled = 0
       do store = 1, size(stores)
          filled = filled + size(picks(store)%order)
       end do
       allocate (cells%of_row(filled), row_tile(filled))
-      allocate (number(0:grid%tile_cells - 1, size(tiles, 2)), source=0)
+      allocate (number(0:grid%tile_cells - 1, size(tiles, 2), 0:maxval([of_store, 0])), source=0)
       filled = 0
       do store = 1, size(stores)
          tile = 1
@@ -52,24 +59,31 @@ contains
                end do
                row_tile(filled + row) = tile
                cells%of_row(filled + row) = stores(store)%home(p)
-               number(stores(store)%home(p), tile) = 1
+               number(stores(store)%home(p), tile, of_store(store)) = 1
             end associate
          end do
          filled = filled + size(picks(store)%order)
       end do
       cells%count = sum(number)
-      allocate (cells%place(3, cells%count))
+      allocate (cells%place(3, cells%count), cells%group(cells%count))
       filled = 0
-      do tile = 1, size(tiles, 2)
-         do cell = 0, grid%tile_cells - 1
-            if (number(cell, tile) == 0) cycle
-            filled = filled + 1
-            number(cell, tile) = filled
-            cells%place(:, filled) = tiles(:, tile)*grid%width + grid%cell_position(:, cell)
+      do store = 0, ubound(number, 3)
+         do tile = 1, size(tiles, 2)
+            do cell = 0, grid%tile_cells - 1
+               if (number(cell, tile, store) == 0) cycle
+               filled = filled + 1
+               number(cell, tile, store) = filled
+               cells%group(filled) = store
+               cells%place(:, filled) = tiles(:, tile)*grid%width + grid%cell_position(:, cell)
+            end do
          end do
       end do
-      do row = 1, size(row_tile)
-         cells%of_row(row) = number(cells%of_row(row), row_tile(row))
+      filled = 0
+      do store = 1, size(stores)
+         do row = filled + 1, filled + size(picks(store)%order)
+            cells%of_row(row) = number(cells%of_row(row), row_tile(row), of_store(store))
+         end do
+         filled = filled + size(picks(store)%order)
       end do
    end subroutine find_cells
 
@@ -91,14 +105,15 @@ contains
       end do
    end subroutine cells_sum
 
-   !> Number of a cell in the grid, from 0, x fastest.
+   !> Number of a cell in the grid, from 0, x fastest; those of each group follow each other.
    pure integer(int64) function cells_key(self, grid, cell) result(key)
       class(cells_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                        !! Index among these
 
       associate (place => self%place(:, cell))
-         key = place(1) + grid%cells(1)*(place(2) + int(grid%cells(2), int64)*place(3))
+         key = place(1) + grid%cells(1)*(place(2) + int(grid%cells(2), int64)*(place(3) &
+            + int(grid%cells(3), int64)*self%group(cell)))
       end associate
    end function cells_key
 end module io_cells

@@ -2,7 +2,8 @@
 !> Fragments are sets of particles whose cells touch each other.
 !!
 !! Cells with particles and a common node are connected, because their particles interact there; a
-!! limit on the difference of their velocities can separate them. All ranks receive all such cells
+!! limit on the difference of their velocities can separate them. Bodies in contact have separate
+!! velocities at a node, so their cells are not connected. All ranks receive all such cells
 !! (8 bytes each, 32 with that limit) and find the same fragments; one rank sums the content of a
 !! fragment in the order of its cells, so that no bit depends on the number of ranks.
 module io_fragments
@@ -27,6 +28,8 @@ module io_fragments
    type :: fragments_t
       type(pick_rule_t) :: rule
       real(wp) :: velocity_cut = huge(1.0_wp) !! Greatest difference of cells [m/s]
+      !> (store) Groups, from 0, whose cells are not connected; not allocated: all in one
+      integer, allocatable :: group(:)
    end type fragments_t
 
    !> The fragments of the particles of a store.
@@ -124,7 +127,7 @@ contains
       do n = 1, size(stores)
          call wanted%rule%pick(stores(n), picks(n)%order)
       end do
-      call find_cells(grid, tiles, stores, picks, cells)
+      call find_cells(grid, tiles, stores, picks, cells, wanted%group)
       call cell_sums(stores, picks, cells, sums)
       call learn_cells(communicator, grid, cells, sums, wanted%velocity_cut, map)
       call connect(grid, wanted%velocity_cut, map)
@@ -226,8 +229,10 @@ contains
       integer, intent(out) :: next                       !! Index of the neighbour
       integer, intent(out) :: image(3)                   !! Shift in periods
       integer :: place(3), direction
+      integer(int64) :: group
 
       next = 0
+      group = map%key(cell)/product(int(grid%cells, int64))
       place = place_of(grid, map%key(cell)) + way
       image = map%image(:, cell)
       do direction = 1, 3
@@ -237,7 +242,7 @@ contains
          place(direction) = modulo(place(direction), grid%cells(direction))
       end do
       next = map%table%find(place(1) + grid%cells(1)*(place(2) &
-         + int(grid%cells(2), int64)*place(3)))
+         + int(grid%cells(2), int64)*(place(3) + grid%cells(3)*group)))
    end subroutine step_to
 
    !> Place of a cell in the box, from 0.
@@ -248,7 +253,7 @@ contains
 
       place(1) = int(mod(key, int(grid%cells(1), int64)))
       place(2) = int(mod(key/grid%cells(1), int(grid%cells(2), int64)))
-      place(3) = int(key/(int(grid%cells(1), int64)*grid%cells(2)))
+      place(3) = int(mod(key/(int(grid%cells(1), int64)*grid%cells(2)), int(grid%cells(3), int64)))
    end function place_of
 
    !> Send the sums of each cell to the rank that sums its fragment. Collective.

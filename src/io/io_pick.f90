@@ -23,7 +23,7 @@ module io_pick
    contains
       procedure :: pick => rule_pick                     !! Indices of the selected particles
       procedure :: takes => rule_takes                   !! Is a particle selected?
-      procedure, private :: takes_all => rule_takes_all  !! Are all particles selected?
+      procedure :: takes_all => rule_takes_all           !! Are all particles selected?
    end type pick_rule_t
 
 contains

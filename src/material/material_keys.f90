@@ -9,7 +9,7 @@ module material_keys
    use material_catalogue, only: choose_damage, choose_eos, choose_law, damage_names, eos_names, &
       law_names
    use material_failed, only: declare_failed_law
-   use material_presets, only: aluminium, explosives, glass, grains, metals
+   use material_presets, only: aluminium, explosives, glass, grains, metals, stones
    use material_voids, only: declare_voids
    implicit none
    private
@@ -42,6 +42,7 @@ contains
       call schema%preset("material", metals)
       call schema%preset("material", glass)
       call schema%preset("material", grains)
+      call schema%preset("material", stones)
       call schema%preset("material", explosives)
       call declare_elasticity(schema)
       call declare_heat(schema)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Action of each wall on the material since the start: its impulse, and the work at the velocity of
-!! the wall. Equation (O.2) of doc/theory/instruments.md.
+!! the wall. Equation (O.2) of doc/theory/instruments.md. The rows after those of the walls are the
+!! impulses of contact between the velocity fields.
 module mesh_wall_sums
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
@@ -11,8 +12,8 @@ module mesh_wall_sums
 
    integer, parameter, public :: wall_entries = 4        !! Impulse along x, y, z [N s], work [J]
 
-   !> Sums of all walls: boundaries and their parts, then rigid regions. Not allocated unless an
-   !! output shows them.
+   !> Sums of all walls: boundaries and their parts, then rigid regions, then pairs of velocity
+   !! fields. Not allocated unless an output shows forces.
    type :: wall_sums_t
       type(exact_sum_t), allocatable :: total(:, :)  !! (entry, wall)
    contains

@@ -68,7 +68,7 @@ contains
       type(text_t), allocatable :: kind(:), name(:)
       class(stream_t), allocatable :: stream
       integer, allocatable :: number(:)
-      integer :: n
+      integer :: n, form
 
       do n = 1, size(stream_names)
          call choose_stream(stream_names(n), stream)
@@ -79,9 +79,12 @@ contains
       call echo_streams(echo, name, kind, number)
       do n = 1, size(name)
          call choose_stream(kind(n)%text, stream)
-         if (allocated(stream)) call add_stream_files(names, stream_file(stream, case, &
-            name(n)%text, &
-            number(n)), stream%has_series(), former)
+         if (.not. allocated(stream)) cycle
+         ! the first of a kind is with its name if it is always named
+         do form = number(n), max(number(n), 2)
+            call add_stream_files(names, stream_file(stream, case, name(n)%text, form), &
+               stream%has_series(), former)
+         end do
       end do
    end subroutine add_files_of_streams
 

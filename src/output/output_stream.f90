@@ -37,6 +37,7 @@ module output_stream
       procedure(limit_i), deferred :: limit          !! Refuse implausible sizes
       procedure(list_i), deferred :: list            !! Key and file in the summary of a run
       procedure :: has_series => stream_has_series   !! Is there a file for each time?
+      procedure :: always_named => stream_always_named !! Does its file always have its name?
       procedure :: default_count => stream_default_count !! Outputs of a run without &output
       procedure :: read_default => stream_read_default !! Content in a run without &output
       procedure :: try_field => stream_try_field     !! Can a field be written?
@@ -160,6 +161,13 @@ contains
 
       has = .false.
    end function stream_has_series
+
+   !> True if the name of the file has the name of the stream even if it is the first of its kind.
+   pure logical function stream_always_named(self) result(always)
+      class(stream_t), intent(in) :: self
+
+      always = .false.
+   end function stream_always_named
 
    !> Number of outputs of a run whose deck has no &output; 0: this kind is not written by default.
    pure integer function stream_default_count(self) result(number)

@@ -54,27 +54,28 @@ contains
       type(group_t) :: group
       character(len=:), allocatable :: name, word
       integer :: alike, earlier, n
-      type(text_t) :: kind(deck%count("output"))
 
       allocate (self%streams(0))
-      do n = 1, size(kind)
+      do n = 1, deck%count("output")
          group = deck%group("output", n)
          call group%get("kind", word)
-         kind(n)%text = word
          call choose_stream(word, next%item)
          if (.not. allocated(next%item)) cycle
-         alike = 0
-         do earlier = 1, n
-            if (kind(earlier)%text == word) alike = alike + 1
+         next%item%place = n
+         call next%item%read(group, deck, simulation, shapes)
+         alike = merge(2, 1, next%item%always_named())
+         do earlier = 1, size(self%streams)
+            associate (other => self%streams(earlier)%item)
+               if (same_type_as(other, next%item) .and. .not. other%always_named()) &
+                  alike = alike + 1
+            end associate
          end do
          call group%get("name", name)
-         next%item%place = n
          next%item%file = stream_file(next%item, self%case, name, alike)
-         call next%item%read(group, deck, simulation, shapes)
          call read_schedule(group, time_end, next%item%schedule)
          self%streams = [self%streams, next]
       end do
-      if (size(kind) == 0) call plan_default(self, simulation, time_end)
+      if (deck%count("output") == 0) call plan_default(self, simulation, time_end)
       call share_fragments(self%streams)
       call self%stop_quantity%find(deck, self%streams, self%case)
    end subroutine outputs_plan

@@ -15,7 +15,7 @@ module output_table_stream
 
    public :: table_stream_t
 
-   integer, parameter, public :: heading_length = 40 !! Longest name of a column with its unit
+   integer, parameter, public :: heading_length = 100 !! Longest name of a column with its unit
    real(wp), parameter :: most_rows = 1.0e9_wp       !! A table with more needs --force
 
    !> A table.

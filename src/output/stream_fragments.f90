@@ -7,6 +7,7 @@ module stream_fragments
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use io_fragments, only: fragment_columns, fragment_rows, fragments_t
+   use output_contact_groups, only: separate_bodies_in_contact
    use output_selection, only: declare_selection, read_selection
    use output_table_stream, only: heading_length, table_stream_t
    use scene_regions, only: named_shape_t
@@ -110,6 +111,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       real(wp), allocatable :: rows(:, :)
 
+      call separate_bodies_in_contact(simulation, self%fragments)
       call fragment_rows(simulation%machine%communicator, simulation%space%grid, &
          simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), simulation%stores, &
          self%fragments, rows)

@@ -7,6 +7,7 @@ module stream_history
    use base_schema, only: schema_t
    use output_field_names, only: declare_fields, read_fields
    use output_history_columns, only: choose_history, history_columns_t, history_row
+   use output_selection, only: declare_selection, read_selection
    use output_stream, only: field_length
    use output_table_stream, only: heading_length, table_stream_t
    use particle_store, only: store_t
@@ -26,6 +27,7 @@ module stream_history
       procedure :: declare => history_declare        !! Keys
       procedure :: read => history_read              !! Read the keys
       procedure :: read_default => history_read_default !! Without &output
+      procedure :: always_named => history_always_named !! Name of a file of some particles
       procedure :: default_count => history_default_count !! Rows without &output
       procedure :: try_field => history_try_field    !! Check a name
       procedure :: ledger_rows => history_ledger_rows !! For the time of a run
@@ -40,7 +42,7 @@ contains
       class(stream_history_t), intent(in) :: self
       character(len=:), allocatable :: text
 
-      text = "a table of the ledger over time"
+      text = "a table of the ledger over time, or of mass, momentum and energy of bodies"
    end function history_about
 
    !> Suffix of the file name, after the case.
@@ -58,6 +60,7 @@ contains
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_fields(schema, kind)
+      call declare_selection(schema, kind)
    end subroutine history_declare
 
    !> Read the keys of the kind.
@@ -66,10 +69,11 @@ contains
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
-      type(named_shape_t), intent(in) :: shapes(:)   !! Unused
+      type(named_shape_t), intent(in) :: shapes(:)
       character(len=field_length), allocatable :: fields(:)
       type(error_t), allocatable :: error
 
+      call read_selection(group, deck, shapes, self%columns%rule)
       call read_fields(group, deck, simulation, self, fields)
       ! read_fields has removed each invalid name
       call choose_history(fields, allocated(simulation%effects%exact), simulation%space%grid, &
@@ -85,6 +89,14 @@ contains
       call choose_history(["default"], allocated(simulation%effects%exact), simulation%space%grid, &
          allocated(simulation%effects%gravity), self%columns, error)
    end subroutine history_read_default
+
+   !> The file of some of the particles always has the name of the stream: CASE_history.csv is the
+   !! ledger.
+   pure logical function history_always_named(self) result(always)
+      class(stream_history_t), intent(in) :: self
+
+      always = .not. self%columns%rule%takes_all()
+   end function history_always_named
 
    !> Rows without &output.
    pure integer function history_default_count(self) result(number)
@@ -102,6 +114,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! There is no such column
       type(history_columns_t) :: columns
 
+      columns%rule = self%columns%rule
       call choose_history([field], allocated(simulation%effects%exact), simulation%space%grid, &
          allocated(simulation%effects%gravity), columns, error)
    end subroutine history_try_field

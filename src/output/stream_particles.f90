@@ -8,6 +8,7 @@ module stream_particles
    use io_fields, only: choose_columns, column_t
    use io_fragments, only: fragment_labels, fragments_t, labels_t
    use io_snapshot, only: snapshot_header_t, snapshot_write
+   use output_contact_groups, only: separate_bodies_in_contact
    use output_field_names, only: declare_fields, read_fields
    use output_selection, only: declare_selection, declare_stride, read_selection
    use output_snapshot_stream, only: snapshot_stream_t
@@ -135,9 +136,12 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       type(labels_t), allocatable :: labels(:)
 
-      if (any(self%fields == "fragment")) call fragment_labels(simulation%machine%communicator, &
-         simulation%space%grid, simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), &
-         simulation%stores, self%fragments, labels)
+      if (any(self%fields == "fragment")) then
+         call separate_bodies_in_contact(simulation, self%fragments)
+         call fragment_labels(simulation%machine%communicator, simulation%space%grid, &
+            simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), &
+            simulation%stores, self%fragments, labels)
+      end if
       call snapshot_write(simulation%machine%communicator, path, simulation%stores, self%fields, &
          self%format, header, error, labels)
    end subroutine particles_write_file

@@ -8,12 +8,13 @@ module step_contact
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_contact_surface, only: direction_of, guess_area, reach_row
-   use step_ledger, only: dissipated
+   use step_ledger, only: dissipated, ledger_t
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: guesses, scheme_t, scratch_t, simulation_effects_t, simulation_t, &
       space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
+   use step_walls, only: pair_row
    use transfer_contact, only: bond_traction, contact_bonded, separate_bodies, state_bonded, &
       state_closed, state_open
    implicit none
@@ -84,7 +85,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp), allocatable :: greatest(:, :)
+      real(wp), allocatable :: greatest(:, :), own(:, :)
       integer :: who(size(simulation%fields)), node, field, here
 
       do field = 1, size(simulation%fields)
@@ -98,6 +99,8 @@ contains
       call assemble_greatest(simulation%space%grid, simulation%space%tiles, &
          simulation%effects%contact%reach, tile, &
          greatest)
+      if (allocated(simulation%balance%ledger%walls%total) .and. &
+         tile <= simulation%space%tiles%own) call find_own_mass(simulation, tile, own)
       do node = 1, simulation%space%grid%tile_nodes
          here = 0
          do field = 1, size(who)
@@ -105,18 +108,41 @@ contains
             here = here + 1
             who(here) = field
          end do
-         if (here > 1) call touch_node(simulation, tile, node, who(:here), greatest(:, node), dt)
+         if (here > 1) call touch_node(simulation, tile, node, who(:here), &
+            greatest(:, node), dt, own)
       end do
    end subroutine touch_tile
 
+   !> Mass that the particles of a tile give to its nodes.
+   subroutine find_own_mass(simulation, tile, own)
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
+      real(wp), allocatable, intent(out) :: own(:, :) !! (node, field) [kg]
+      real(wp), allocatable :: rows(:, :)
+      integer :: field
+
+      associate (nodes => simulation%space%grid%tile_nodes)
+         allocate (own(nodes, size(simulation%fields)))
+         do field = 1, size(simulation%fields)
+            associate (motion => simulation%fields(field)%nodes%motion)
+               allocate (rows(motion%packed(1)%rows, nodes))
+               call motion%packed(1)%get(simulation%space%grid, motion%touched, tile, rows)
+               own(:, field) = rows(1, :)
+               deallocate (rows)
+            end associate
+         end do
+      end associate
+   end subroutine find_own_mass
+
    !> One node where several fields have mass.
-   subroutine touch_node(simulation, tile, node, who, reach, dt)
+   subroutine touch_node(simulation, tile, node, who, reach, dt, own)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (pair) Extent of bodies [m]
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
+      real(wp), allocatable, intent(in) :: own(:, :) !! (node, field) If forces are recorded [kg]
       real(wp) :: mass(size(who)), velocity(3, size(who)), push(3, size(who), size(who))
       real(wp) :: area(3, size(who), size(who)), normal(3, size(who), size(who))
       integer :: state(size(who), size(who)), a, b
@@ -145,7 +171,28 @@ contains
          if (again) call separate_bodies(mass, velocity, normal, state, law, push)
       end associate
       call give_push(simulation%fields, tile, node, who, mass, push, dt)
+      if (allocated(own)) call record_pairs(simulation%space, &
+         simulation%scratch(omp_get_thread_num())%ledger, who, own(node, who)/mass, push)
    end subroutine touch_node
+
+   !> Record the contact impulses of the pairs of fields at a node. A tile records the part of its
+   !! own particles, so that all parts add up to the impulse. Equation (C.16).
+   subroutine record_pairs(space, ledger, who, part, push)
+      type(space_t), intent(in) :: space
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
+      integer, intent(in) :: who(:)                  !! Indices of the velocity fields, ascending
+      real(wp), intent(in) :: part(:)                !! (field) Mass of own particles over all [1]
+      real(wp), intent(in) :: push(:, :, :)          !! (3, a, b) Impulse on b, for a < b [kg m/s]
+      integer :: a, b
+
+      do b = 2, size(who)
+         do a = 1, b - 1
+            if (.not. maxval(abs(push(:, a, b)))*part(b) > 0.0_wp) cycle
+            call ledger%walls%add(pair_row(space, who(a), who(b)), part(b)*push(:, a, b), &
+               [0.0_wp, 0.0_wp, 0.0_wp])
+         end do
+      end do
+   end subroutine record_pairs
 
    !> Normals between the fields at a node. Of the candidate normals the one is used along which two
    !! bodies are farthest apart: the normal of a plane between them, if there is one. At an edge the

@@ -8,6 +8,7 @@ module step_ledger
    use base_error, only: error_t, exit_file, fail
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
+   use io_pick, only: pick_rule_t
    use io_state, only: state_t
    use material_type, only: material_t
    use mesh_grid, only: grid_t
@@ -16,7 +17,7 @@ module step_ledger
    implicit none
    private
 
-   public :: balance_t, ledger_entries, ledger_t
+   public :: balance_t, clear_meaningless, ledger_entries, ledger_t, sum_store
 
    !> A column of the ledger. Entries that accumulate are sums since the start, the others are sums
    !! over the particles in the box.
@@ -121,8 +122,8 @@ module step_ledger
 
    !> Turning motion relative to that about the origin below which its error is rounding [1]
    real(wp), parameter :: least_turn = 1.0e-6_wp
-   !> Sums over particles that only scales of errors use.
-   integer, parameter :: scale_count = 6
+   !> Further sums over particles: m |v|, m |x||v|, m x, m |x|**2.
+   integer, parameter, public :: scale_count = 6
    !> Number of entries that accumulate.
    integer, parameter :: running = count(ledger_entries%accumulates)
 
@@ -337,23 +338,25 @@ contains
       end do
    end subroutine clear_meaningless
 
-   !> Add the sums over the particles of a store, tiles in threads.
-   subroutine sum_store(store, material, sums, scales)
+   !> Add the sums over the particles of a store, or over those that a rule selects, tiles in
+   !! threads.
+   subroutine sum_store(store, material, sums, scales, rule)
       type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
       type(exact_sum_t), intent(inout) :: sums(:)    !! (entry) Of the state only
       type(exact_sum_t), intent(inout) :: scales(scale_count) !! As `sum_tile`
+      type(pick_rule_t), intent(in), optional :: rule !! Selects particles; default: all
       type(exact_sum_t), allocatable :: part(:)
       real(wp) :: tile_sum(size(ledger_entries)), tile_scale(scale_count)
       integer :: n, tile
 
-      !$omp parallel default(none) shared(store, material, sums, scales) &
+      !$omp parallel default(none) shared(store, material, sums, scales, rule) &
       !$omp private(part, tile_sum, tile_scale, n, tile)
       allocate (part(size(sums) + scale_count))
       !$omp do schedule(dynamic, 16)
       do tile = 1, size(store%count)
          if (store%count(tile) == 0) cycle
-         call sum_tile(store, material, tile, tile_sum, tile_scale)
+         call sum_tile(store, material, tile, tile_sum, tile_scale, rule)
          do n = 1, size(sums)
             if (.not. ledger_entries(n)%accumulates) call part(n)%add(tile_sum(n))
          end do
@@ -374,12 +377,13 @@ contains
    end subroutine sum_store
 
    !> Sums over the particles of one tile in their order. Equation (L.1).
-   subroutine sum_tile(store, material, tile, sums, scales)
+   subroutine sum_tile(store, material, tile, sums, scales, rule)
       type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
       integer, intent(in) :: tile                    !! Index
       real(wp), intent(out) :: sums(:)               !! Entries of the state
       real(wp), intent(out) :: scales(scale_count)   !! Sums of m |v|, m |x||v|, m x, m |x|**2
+      type(pick_rule_t), intent(in), optional :: rule !! Selects particles; default: all
       real(wp) :: energy(store%count(tile)), m, x(3), v(3), speed
       integer :: p, first, last
 
@@ -389,6 +393,9 @@ contains
       scales = 0.0_wp
       call material%stored_energy(store%state, first, last, energy)
       do p = first, last
+         if (present(rule)) then
+            if (.not. rule%takes(store, p)) cycle
+         end if
          m = store%state%mass(p)
          x = [store%position(p, 1), store%position(p, 2), store%position(p, 3)]
          v = [store%velocity(p, 1), store%velocity(p, 2), store%velocity(p, 3)]
@@ -399,11 +406,8 @@ contains
          sums(kinetic) = sums(kinetic) + 0.5_wp*m*speed**2
          sums(internal) = sums(internal) + energy(p - first + 1)
          scales = scales + m*[speed, speed*norm2(x), x, sum(x**2)]
-      end do
-      if (.not. allocated(store%state%failed)) return
-      do p = first, last
-         if (store%state%failed(p) == 0) cycle
-         sums(failed_mass) = sums(failed_mass) + store%state%mass(p)
+         if (.not. allocated(store%state%failed)) cycle
+         if (store%state%failed(p) /= 0) sums(failed_mass) = sums(failed_mass) + m
       end do
    end subroutine sum_tile
 

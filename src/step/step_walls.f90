@@ -14,7 +14,7 @@ module step_walls
    implicit none
    private
 
-   public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, record_push, &
+   public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, pair_row, record_push, &
       record_stopped, record_unbalanced, record_walls, remove_wall_components, start_walls, &
       stop_at_walls, walls_touch
 
@@ -58,7 +58,8 @@ contains
       if (.not. allocated(simulation%balance%ledger%walls%total)) return
       if (allocated(simulation%scratch(0)%ledger%walls%total)) return
       do thread = 0, ubound(simulation%scratch, 1)
-         call simulation%scratch(thread)%ledger%walls%start(number_of_walls(simulation%space))
+         call simulation%scratch(thread)%ledger%walls%start( &
+            size(simulation%balance%ledger%walls%total, 2))
       end do
    end subroutine start_sums
 
@@ -210,6 +211,15 @@ contains
       if (allocated(space%boundary%wall)) number = size(space%boundary%wall)
       if (allocated(space%rigid)) number = number + size(space%rigid%wall)
    end function number_of_walls
+
+   !> Row of the contact of two velocity fields a < b among the sums of walls. With n fields there
+   !! are pair_row(space, 0, n + 1) rows.
+   pure integer function pair_row(space, a, b) result(row)
+      type(space_t), intent(in) :: space
+      integer, intent(in) :: a, b                    !! Indices of the velocity fields
+
+      row = number_of_walls(space) + ((b - 1)*(b - 2))/2 + a
+   end function pair_row
 
    !> True if walls may act in a stage. Friction also acts in the strain before the forces, from the
    !! second step on: nodes that were pressed on a wall must not move away from it.

@@ -19,7 +19,23 @@ INSTRUMENTS = [
     ("plain", "&time", f"{GAUGE} point = 0.5 0 0.5 fields = 'identity' /\n&time", 3,
      "&output 'g': output field 'identity' is an identifier, which has no mean; remove it"),
     ("plain", "&time", "&output name = 'f' kind = 'forces' every = 1 /\n&time", 3,
-     "&output 'f': there is no wall whose force could be shown; add a &boundary or remove this output"),
+     "&output 'f': there is no wall whose force could be shown; add a &boundary, give contacts, or remove this output"),
+    ("plain", "&time", "&output name = 'f' kind = 'forces' every = 1 contacts = 'one', 'one' /\n&time", 3,
+     "&output 'f': contacts needs &effects contact = .true.; without it all bodies share one velocity field"),
+    ("plain", "&time", "&effects contact = T /\n&output name = 'f' kind = 'forces' every = 1 contacts = 'one' /\n&time",
+     4, "&output 'f': contacts has one body; name two or more"),
+    ("plain", "&time", "&effects contact = T /\n&output name = 'f' kind = 'forces' every = 1 contacts = 'one' 'on' /\n"
+     "&time", 4, "&output 'f': no body 'on'; defined: one; did you mean 'one'?"),
+    ("charge", "&body name = 'charge'  region = 'low'  material = 'high' /\n&body", "&effects contact = T /\n"
+     "&output name = 'f' kind = 'forces' every = 1 contacts = 'charge' 'plate' /\n"
+     "&body name = 'charge'  region = 'low'  material = 'high'  field = 1 /\n&body field = 1", 10,
+     "&output 'f': 'charge' and 'plate' share a velocity field, so no contact force acts between them; give them "
+     "different values of field in &body"),
+    ("plain", "&time", "&output name = 'h' kind = 'history' every = 1 bodies = 'one' fields = 'viscous' /\n&time", 3,
+     "&output 'h': output field 'viscous' is known for all material only, not for bodies or a region; there are: "
+     "default time step dt mass momentum_x"),
+    ("plain", "&time", "&output name = 'h' kind = 'history' every = 1 bodies = 'one' fields = 'noise' /\n&time", 3,
+     "&output 'h': output field 'noise' is known for all material only"),
     ("sand", "&output", "&output name = 'f' kind = 'forces' every = 1 walls = 'zl' /\n&output", 10,
      "&output 'f': 'zl' is not a wall; there are: xlo zlo; did you mean 'zlo'?"),
     ("plain", "&time", f"{LOAD} /\n&time", 3,

@@ -18,6 +18,7 @@ DECK = """
 &material  name='metal'  density=2700  young=70e9  poisson=0.3 /
 &region  name='bar'   shape='box'  lo=0.1,0,0  hi=0.5,1,1 /
 &body  name='one'   region='bar'   material='metal'  velocity=1,0,0 /
+&output  name='one'  kind='history'  bodies='one'  every=10 /
 &output  name='h'  kind='history'    every=10 /
 &output  name='p'  kind='particles'  every=10 /
 &output  name='further'  kind='particles'  every=5 /

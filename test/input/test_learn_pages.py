@@ -76,3 +76,22 @@ def test_commands(page, options):
     for number, script in enumerate(blocks(page, "python")):
         (folder / f"script_{number}.py").write_text(script, encoding="utf-8")
         call(sys.executable, f"script_{number}.py")
+
+
+def test_ballistic_limit(options):
+    """Would catch a script of the page that fails, a striker that does not perforate, and a limit outside of the speeds
+    that bound it. With the coarsest cells and four of the speeds."""
+    script, = blocks("ballistic_limit", "python")
+    for line, shorter in (("CELLS = (1.5, 1.0, 0.75)", "CELLS = (1.5,)"),
+                          ("SPEEDS = (80, 100, 120, 140, 170, 220, 300, 400)", "SPEEDS = (100, 140, 170, 300)")):
+        assert line in script
+        script = script.replace(line, shorter)
+    (options.work / "limit.py").write_text(script, encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python/src"), "SCREE": str(options.scree),
+                   "OMP_NUM_THREADS": "1"}
+    answer = subprocess.run([sys.executable, "limit.py"], cwd=options.work, env=environment, capture_output=True,
+                            text=True, check=False)
+    assert answer.returncode == 0, answer.stdout[-2000:] + answer.stderr[-2000:]
+    limit, least, most = map(float, re.search(r"limit (\d+) m/s.*between (\d+) and (\d+) m/s", answer.stdout).groups())
+    assert least == 100 and most == 140 and least < limit < 1.1 * most, answer.stdout
+    assert (options.work / "limit.png").is_file()
