@@ -107,9 +107,15 @@ contains
       class(schedule_t), intent(inout) :: self
       real(wp), intent(in) :: time                   !! Time reached [s]
       ! rounding must not delay an output by a step
-      real(wp), parameter :: grain = 1.0e-12_wp
+      real(wp), parameter :: grain = 1.0e-12_wp, countless = 1.0e15_wp
 
       if (self%interval > 0.0_wp) then
+         ! a restart does not count all intervals before it
+         if (.not. time < countless*self%interval) then
+            self%done = self%done + 1
+            return
+         end if
+         self%done = max(self%done, int(time/self%interval, int64) - 1)
          do while (time*(1.0_wp + grain) >= real(self%done, wp)*self%interval)
             self%done = self%done + 1
          end do

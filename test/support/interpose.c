@@ -227,6 +227,14 @@ int close(int file)
    return real(file);
 }
 
+/* A descriptor that means another file from now on is followed if that file is. */
+int dup2(int old, int new)
+{
+   REAL(int, "dup2", int, int);
+   if (new >= 0 && new < most) followed[new] = (char) is_followed(old);
+   return real(old, new);
+}
+
 #define OF_PATH(name, may_fail) \
    int name(const char *path) \
    { \

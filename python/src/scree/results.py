@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import files
-from .errors import FileProblem, nearest, readable
+from .errors import FileProblem, nearest, readable, reading
 from .snapshot import Snapshots
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def read_table(path: str | os.PathLike[str]) -> pandas.DataFrame:
     Columns are named without units; `attrs["units"]` holds the unit of each.
     """
     import pandas
-    table = files.history(str(path))
+    table = files.history(str(path), may_be_empty=True)
     frame = pandas.DataFrame({name: table[name] for name in table.order})
     frame.attrs["units"] = dict(table.units)
     return frame
@@ -93,7 +93,8 @@ class Run:
         import f90nml
         path = self.path(".echo.nml")
         readable(str(path))
-        return f90nml.read(path)
+        with reading(path):
+            return f90nml.read(path)
 
     @cached_property
     def summary(self) -> dict[str, Any]:
@@ -101,7 +102,7 @@ class Run:
         path = self.path(".summary.json")
         try:
             found = json.loads(text_of(path))
-        except ValueError as error:
+        except (RecursionError, ValueError) as error:
             raise FileProblem(f"cannot read {path}: {error}") from error
         if not isinstance(found, dict):
             raise FileProblem(f"{path} is not a summary")
@@ -110,7 +111,8 @@ class Run:
     @property
     def exit_code(self) -> int:
         """Exit code of the run: 0 if it finished."""
-        return int(self.summary["exit_code"])
+        with reading(self.path(".summary.json")):
+            return int(self.summary["exit_code"])
 
     @property
     def log(self) -> str:
@@ -136,6 +138,7 @@ class Run:
     def history_name(self) -> str | None:
         """Name of the first history in `tables`, None if the run wrote none."""
         listed = self.summary.get("files", {}) if self.path(".summary.json").exists() else {}
+        listed = listed if isinstance(listed, dict) else {}
         # older versions listed all tables as history_N: the name of the file tells the kind
         files = [str(file) for file in listed.values()] or [f"{self.case}_history.csv"]
         names = [file[len(self.case) + 1:-len(".csv")] for file in files if file.endswith("_history.csv")]
@@ -171,8 +174,8 @@ def text_of(path: Path) -> str:
     """A text file."""
     try:
         return Path(readable(str(path))).read_text(encoding="utf-8")
-    except OSError as error:
-        raise FileProblem(f"cannot read {path}: {error.strerror}") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileProblem(f"cannot read {path}: {getattr(error, 'strerror', None) or 'damaged: not a text'}") from error
 
 
 def cases_in(folder: Path) -> list[str]:
