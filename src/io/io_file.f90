@@ -7,18 +7,19 @@ module io_file
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use io_libc, only: c_access, c_close, c_creat, c_dup2, c_fallocate, c_fsync, c_lseek, &
-      c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, c_rmdir, c_truncate, c_unlink, &
-      c_write, failure_number, failure_text, folder_entries, longest_name
+      c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, &
+      c_rmdir, c_truncate, c_unlink, c_write, failure_number, failure_text, folder_entries, &
+      longest_name
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_int32_t, c_loc, c_null_char, &
       c_size_t
    use, intrinsic :: iso_fortran_env, only: output_unit
    implicit none
    private
 
-   public :: divert_file, file_exists, file_size, folder_of, join_path, list_folder, longest_name, make_folder, &
-      make_temporary_folder, name_of, occupy_streams, output_file_t, print_text, program_path, read_file, real_path, &
-      remove_file, remove_folder, rename_file, reserve_file, sync_file, sync_folder, &
-      truncate_file, write_file
+   public :: divert_file, file_exists, file_size, folder_of, join_path, list_folder, longest_name, &
+      make_folder, make_temporary_folder, name_of, occupy_streams, output_file_t, print_text, &
+      program_path, read_file, real_path, remove_file, remove_folder, rename_file, reserve_file, &
+      sync_file, sync_folder, truncate_file, write_file
 
    integer, parameter, public :: longest_path = 1024     !! Characters of a path
    integer(c_int32_t), parameter :: file_mode = int(o"666", c_int32_t)
@@ -122,7 +123,7 @@ contains
 
    !> Target of a link, empty if it cannot be read.
    function link_target(path) result(target_path)
-      character(len=*), intent(in) :: path               !! The link
+      character(len=*), intent(in) :: path               !! Path of a symbolic link
       character(len=:), allocatable :: target_path
       character(len=longest_path), target :: letters
       integer(c_size_t) :: length
@@ -383,8 +384,8 @@ contains
       status = c_close(descriptor)
    end subroutine read_file
 
-   !> Give the numbers of standard streams that are closed to a file that refuses all writing. A file
-   !! that is opened later would get such a number, and what is printed would be written to it.
+   !> Give the numbers of standard streams that are closed to a file that refuses all writing. A
+   !! file that is opened later would get such a number, and what is printed would be written to it.
    subroutine occupy_streams()
       integer(c_int) :: descriptor, status
 
@@ -395,7 +396,7 @@ contains
       end do
    end subroutine occupy_streams
 
-   !> Print a text that is the result of the program; Fortran does not tell if this fails.
+   !> Print a text that is the result of the program; Fortran does not report if this fails.
    subroutine print_text(text, error)
       character(len=*), intent(in) :: text               !! Line ends included
       type(error_t), allocatable, intent(out) :: error   !! A full disk, a closed stream

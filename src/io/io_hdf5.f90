@@ -26,14 +26,16 @@ module io_hdf5
    use io_file, only: divert_file, folder_of, remove_file, rename_file, reserve_file, sync_file, &
       sync_folder, truncate_file
    use io_hdf5_ranks, only: open_on_all_ranks
-   use io_libc, only: clear_failure, failure_number, failure_text
+   use io_libc, only: c_dlsym, clear_failure, failure_number, failure_text
    use io_seal, only: write_seal
-   use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_f_pointer, c_int, c_int64_t, &
+      c_loc, c_null_char, c_null_ptr, c_ptr
    implicit none
    private
 
-   public :: hdf5_file_t, start_library, text_type
+   public :: hdf5_file_t, leave_library, start_library, text_type
 
+   integer(c_int), parameter :: kind_of_files = 1        !! H5I_FILE
    integer(c_int), parameter :: never_again = 3          !! H5F_FSPACE_STRATEGY_NONE
 
    interface
@@ -48,6 +50,15 @@ module io_hdf5
          integer(c_int64_t), value :: threshold           !! Least size in that list
          integer(c_int) :: status
       end function c_file_space_strategy
+
+      !> C function that has no Fortran interface in HDF5 1.10.
+      function c_members(kind, number) bind(c, name="H5Inmembers") result(status)
+         import :: c_int, c_int64_t
+         implicit none
+         integer(c_int), value :: kind                    !! Of the identifiers
+         integer(c_int64_t), intent(out) :: number        !! Identifiers in use
+         integer(c_int) :: status
+      end function c_members
    end interface
 
    !> A file that all ranks write collectively.
@@ -85,6 +96,20 @@ contains
       if (status == 0) call h5eset_auto_f(0, status)
       call clear_failure()
    end subroutine start_library
+
+   !> After an error, before the end of message passing: the library then closes all files that are
+   !! open, and crashes at one that it could not close before. Its flag is set as if it had ended.
+   subroutine leave_library()
+      logical(c_bool), pointer :: is_started
+      integer(c_int64_t) :: files
+      type(c_ptr) :: address
+
+      if (c_members(kind_of_files, files) < 0) return
+      address = c_dlsym(c_null_ptr, "H5_libinit_g"//c_null_char)
+      if (files == 0 .or. .not. c_associated(address)) return
+      call c_f_pointer(address, is_started)
+      is_started = .false.
+   end subroutine leave_library
 
    !> Reserve space for a file and create it. Collective.
    subroutine hdf5_create(self, communicator, path, bytes, error)
@@ -159,10 +184,13 @@ contains
       type(error_t), allocatable, intent(out) :: error    !! Not written; no file remains
       integer(hsize_t) :: bytes
       integer :: status
+      logical :: stuck
 
+      stuck = .false.
       if (self%works()) then
          call h5fflush_f(self%id, h5f_scope_global_f, status)
          call self%share_status("complete", "", status)
+         stuck = .not. self%works()
       end if
       if (self%works()) then
          ! errors of a disk that writes later must be known before the file is closed
@@ -176,10 +204,11 @@ contains
          call self%share_status("complete", "", status)
       end if
       if (self%id >= 0) then
-         ! a file that cannot be closed stays open, and crashes the library at the end of the program
+         ! closing a file may write to it once more, which must not fail; after a failed flush the
+         ! file can never be closed
          call divert_file(part_of(self))
          call self%communicator%barrier()
-         call h5fclose_f(self%id, status)
+         if (.not. stuck) call h5fclose_f(self%id, status)
          self%id = -1
          if (self%works()) call self%share_status("close", "", status)
       end if

@@ -127,7 +127,7 @@ contains
       mark = 0
       if (communicator%rank == 0) then
          mark = self%mark
-         call self%file%sync(error)
+         if (any(mark /= 0)) call self%file%sync(error)
       end if
       call agree(communicator, error)
       call communicator%total(mark)

@@ -28,7 +28,7 @@ contains
    !> Add lines to the mark of a table.
    pure subroutine add_to_mark(text, mark)
       character(len=*), intent(in) :: text               !! Whole lines
-      integer(int64), intent(inout) :: mark(mark_size)
+      integer(int64), intent(inout) :: mark(mark_size)   !! Content so far
       integer :: first, length
 
       first = 1
@@ -45,7 +45,7 @@ contains
 
    !> Bytes of a file that are the table of a mark, 0: the file has lost or damaged lines.
    pure integer function intact_bytes(text, wanted) result(length)
-      character(len=*), intent(in) :: text               !! The file
+      character(len=*), intent(in) :: text               !! Content of the file
       integer(int64), intent(in) :: wanted(mark_size)    !! Mark of the table
       integer(int64) :: mark(mark_size)
 
@@ -59,7 +59,7 @@ contains
    !> Find the rows to keep, up to a step.
    subroutine keep_rows(path, text, heading, resume_step, wanted, kept, lost, matches)
       character(len=*), intent(in) :: path               !! For the message
-      character(len=*), intent(in) :: text               !! The file
+      character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: heading            !! Expected first line
       integer(int64), intent(in) :: resume_step          !! Last step that is kept
       integer(int64), intent(in) :: wanted(mark_size)    !! Mark at the checkpoint, 0 = unknown
@@ -100,7 +100,7 @@ contains
    !> Find the lines after the heading. Rows after a step, and such that are less than the step of a
    !! row before them, count as unreadable.
    subroutine find_rows(text, heading, resume_step, rows)
-      character(len=*), intent(in) :: text               !! The file
+      character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: heading            !! For the columns
       integer(int64), intent(in) :: resume_step          !! Last step that is kept
       type(line_t), allocatable, intent(out) :: rows(:)  !! In the order of the file
@@ -134,19 +134,22 @@ contains
       end do
    end subroutine find_rows
 
-   !> Drop the readable rows of a time that has lost others, in a table of several rows a time.
+   !> Drop the readable rows of a time that may have lost others: of a time beside lost rows that
+   !! has fewer rows than another time.
    subroutine drop_partial_times(wanted, rows)
       integer, intent(in) :: wanted                      !! Rows at the checkpoint
       type(line_t), intent(inout) :: rows(:)             !! In the order of the file
-      integer :: n
+      integer :: alike, most, n
       logical :: read(size(rows))
 
       read = rows%step >= 0
       if (count(read) >= wanted .or. count(read) == 0) return
+      most = 1
+      alike = 1
       do n = 2, size(rows)
-         if (read(n) .and. rows(n)%step == rows(n - 1)%step) exit
+         alike = merge(alike + 1, 1, read(n) .and. rows(n)%step == rows(n - 1)%step)
+         most = max(most, alike)
       end do
-      if (n > size(rows)) return
       do n = 2, size(rows)
          if (read(n) .and. .not. read(n - 1)) call drop_time(rows(n)%step)
          if (read(n - 1) .and. .not. read(n)) call drop_time(rows(n - 1)%step)
@@ -159,7 +162,7 @@ contains
       subroutine drop_time(step)
          integer(int64), value, intent(in) :: step
 
-         if (step < 0) return
+         if (step < 0 .or. count(rows%step == step) == most) return
          where (rows%step == step) rows%step = -1
       end subroutine drop_time
    end subroutine drop_partial_times
@@ -218,7 +221,7 @@ contains
    !> Message on lost or changed rows.
    function loss_text(path, text, heading, rows, wanted) result(message)
       character(len=*), intent(in) :: path
-      character(len=*), intent(in) :: text               !! The file
+      character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: heading
       type(line_t), intent(in) :: rows(:)
       integer, intent(in) :: wanted                      !! Rows at the checkpoint
@@ -247,7 +250,7 @@ contains
          open = .false.
       end do
       if (open .or. gap == 0) call add_gap("the checkpoint")
-      if (gap > listed_gaps) gaps = gaps//" and in "//number(gap - listed_gaps)//" other places"
+      if (gap > listed_gaps) gaps = gaps//" and in "//number(gap - listed_gaps)//" other intervals"
       message = "warning: '"//path//"' has lost "//number(wanted - kept)//" of "// &
          number(wanted)//" rows"//gaps//": the file was damaged or cut after it was written; "// &
          "the run continues"//new_line("a")

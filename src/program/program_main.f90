@@ -6,6 +6,7 @@ module program_main
    use base_text, only: append
    use base_version, only: has_ranks
    use io_file, only: join_path, occupy_streams, print_text, write_file
+   use io_hdf5, only: leave_library
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: output_unit
    use program_batch_job, only: job_text
@@ -61,6 +62,7 @@ contains
          code = error%code
          if (session%simulation%machine%communicator%rank == 0) call &
             session%log%error(error%message)
+         call leave_library()
       end if
       call session%log%close()
       call session%simulation%machine%communicator%finish()
@@ -176,7 +178,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The first state cannot be built
       character(len=:), allocatable :: existing, text
 
-      text = coded(session%deck%report())//new_line("a")//effects_text(session%schema, session%deck)// &
+      text = coded(session%deck%report())//new_line("a")// &
+         effects_text(session%schema, session%deck)// &
          cost_report(session%simulation, session%bodies, session%survey, session%limits, &
          session%outputs%full_snapshots(session%limits%time_end))
       existing = existing_results_text(session)

@@ -54,6 +54,9 @@ class Faults:
             environment["FAULT_RANK"] = str(rank)
         if not reserve:
             environment["FAULT_NO_RESERVE"] = "1"
+        # Open MPI keeps files in a folder that all its runs share, and removes it with the last one that it knows of
+        environment["TMPDIR"] = str(self.library.parent / "mpi")
+        Path(environment["TMPDIR"]).mkdir(exist_ok=True)
         command = run.command(*words)
         place = command.index(str(run.scree))
         command[place:place] = ["env", f"LD_PRELOAD={self.library}"]

@@ -96,8 +96,8 @@ def reason_of(said: str, code: int) -> str:
 
 
 # What the libraries raise while they read damaged files.
-DAMAGE = (ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, OSError, RuntimeError, StopIteration,
-          TypeError, ValueError)
+DAMAGE = (ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, OSError, RuntimeError,
+          StopIteration, TypeError, ValueError)
 
 
 @contextlib.contextmanager

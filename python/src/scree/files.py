@@ -161,7 +161,7 @@ class Snapshot:
 
 @contextlib.contextmanager
 def open_file(path: str) -> Iterator[Any]:
-    """A file of particles or of the grid, opened for reading; damage that is found while it is open is a FileProblem."""
+    """A file of particles or of the grid, opened for reading; damage found while it is open is a FileProblem."""
     (h5py,) = modules("h5py")
     readable(path)
     try:
