@@ -16,8 +16,9 @@ module io_hdf5
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dont_atexit_f, h5eset_auto_f, &
-      h5f_acc_trunc_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_scope_global_f, h5fclose_f, &
-      h5fcreate_f, h5fflush_f, h5fget_filesize_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, &
+      h5f_acc_trunc_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_obj_all_f, h5f_obj_file_f, &
+      h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fget_filesize_f, &
+      h5fget_obj_count_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, &
       h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, h5p_file_create_f, h5pclose_f, &
       h5pcreate_f, h5pset_libver_bounds_f, h5pset_meta_block_size_f, &
       h5pset_small_data_block_size_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
@@ -35,7 +36,6 @@ module io_hdf5
 
    public :: hdf5_file_t, leave_library, start_library, text_type
 
-   integer(c_int), parameter :: kind_of_files = 1        !! H5I_FILE
    integer(c_int), parameter :: never_again = 3          !! H5F_FSPACE_STRATEGY_NONE
 
    interface
@@ -50,15 +50,6 @@ module io_hdf5
          integer(c_int64_t), value :: threshold           !! Least size in that list
          integer(c_int) :: status
       end function c_file_space_strategy
-
-      !> C function that has no Fortran interface in HDF5 1.10.
-      function c_members(kind, number) bind(c, name="H5Inmembers") result(status)
-         import :: c_int, c_int64_t
-         implicit none
-         integer(c_int), value :: kind                    !! Of the identifiers
-         integer(c_int64_t), intent(out) :: number        !! Identifiers in use
-         integer(c_int) :: status
-      end function c_members
    end interface
 
    !> A file that all ranks write collectively.
@@ -101,12 +92,15 @@ contains
    !! open, and crashes at one that it could not close before. Its flag is set as if it had ended.
    subroutine leave_library()
       logical(c_bool), pointer :: is_started
-      integer(c_int64_t) :: files
+      integer(size_t) :: files
+      integer :: status
       type(c_ptr) :: address
 
-      if (c_members(kind_of_files, files) < 0) return
+      call start_library(status)
+      call h5fget_obj_count_f(int(h5f_obj_all_f, hid_t), h5f_obj_file_f, files, status)
+      if (status < 0 .or. files == 0) return
       address = c_dlsym(c_null_ptr, "H5_libinit_g"//c_null_char)
-      if (files == 0 .or. .not. c_associated(address)) return
+      if (.not. c_associated(address)) return
       call c_f_pointer(address, is_started)
       is_started = .false.
    end subroutine leave_library

@@ -62,9 +62,9 @@ contains
          code = error%code
          if (session%simulation%machine%communicator%rank == 0) call &
             session%log%error(error%message)
-         call leave_library()
       end if
       call session%log%close()
+      if (allocated(error)) call leave_library()
       call session%simulation%machine%communicator%finish()
       if (allocated(session%preview_folder) .and. session%simulation%machine%communicator%rank == &
          0) &
