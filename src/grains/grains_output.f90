@@ -9,6 +9,8 @@ module grains_output
    use grains_probe, only: probe_cell, probe_columns
    use grains_snapshot, only: write_contacts, write_grains
    use io_history, only: history_t
+   use io_state, only: state_t
+   use io_table_rows, only: mark_size
    use io_series, only: series_t
    use io_snapshot, only: snapshot_header_t
    implicit none
@@ -34,6 +36,8 @@ module grains_output
       procedure :: snapshot => output_snapshot       !! Write grains and contacts
       procedure :: probe => output_probe             !! Measure and write moduli
       procedure :: close => output_close             !! Complete the files
+      procedure :: save => output_save               !! Content of tables for a checkpoint
+      procedure :: load => output_load               !! Content of tables at a checkpoint
    end type grains_output_t
 
 contains
@@ -70,8 +74,39 @@ contains
       self%contacts%of_grids = .true.
       call self%contacts%open(cell%communicator, self%folder, self%case//"_contacts", &
          self%snapshots, more, error)
-      if (.not. allocated(error)) note = note//more
+      if (allocated(error)) return
+      note = self%history%lost//note//more
+      if (self%has_moduli) note = self%moduli%lost//note
    end subroutine output_open
+
+   !> Wait until all rows are on disk and record the content of the tables. Collective.
+   subroutine output_save(self, cell, state, error)
+      class(grains_output_t), intent(in) :: self
+      type(cell_t), intent(in) :: cell
+      type(state_t), intent(inout) :: state
+      type(error_t), allocatable, intent(out) :: error !! Rows did not reach the disk
+      integer(int64) :: mark(mark_size)
+
+      call self%history%save(cell%communicator, mark, error)
+      if (allocated(error)) return
+      call state%set("table_history", mark)
+      if (.not. self%has_moduli) return
+      call self%moduli%save(cell%communicator, mark, error)
+      if (.not. allocated(error)) call state%set("table_moduli", mark)
+   end subroutine output_save
+
+   !> Set the content of the tables at the checkpoint from which the run continues.
+   subroutine output_load(self, state)
+      class(grains_output_t), intent(inout) :: self
+      type(state_t), intent(in) :: state
+      integer(int64), allocatable :: mark(:)
+      type(error_t), allocatable :: error
+
+      call state%get("table_history", mark, error)
+      if (.not. allocated(error)) self%history%wanted = mark
+      call state%get("table_moduli", mark, error)
+      if (.not. allocated(error)) self%moduli%wanted = mark
+   end subroutine output_load
 
    !> Write a row of the history, and begin new means. Collective.
    subroutine output_row(self, cell, stage, error)

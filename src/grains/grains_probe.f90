@@ -22,6 +22,7 @@ module grains_probe
    integer, parameter :: most_rests = 20             !! Most repetitions of this relaxation
    real(wp), parameter :: quiet = 1.0e-20_wp         !! Kinetic over spring energy at rest
    real(wp), parameter :: calming = 0.2_wp           !! Decay of velocities in a collision time [1]
+   real(wp), parameter :: no_slip = 1.0e100_wp       !! Friction that no force overcomes
    !> Rows and columns of the components xx yy zz xy xz yz.
    integer, parameter :: row_of(6) = [1, 2, 3, 1, 1, 2], column_of(6) = [1, 2, 3, 2, 3, 3]
 
@@ -79,7 +80,7 @@ contains
       copy%grains%force = 0.0_wp
       copy%grains%torque = 0.0_wp
       copy%law%damping = 0.0_wp
-      copy%law%friction = huge(1.0_wp)
+      copy%law%friction = no_slip
       copy%pairs%history(dashpot, :) = 0.0_wp
    end subroutine copy_at_rest
 

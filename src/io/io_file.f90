@@ -6,23 +6,26 @@
 module io_file
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
-   use io_libc, only: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, &
-      c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, c_rmdir, c_truncate, c_unlink, &
-      c_write, failure_number, failure_text, folder_entries, longest_name
+   use io_libc, only: c_access, c_close, c_creat, c_dup2, c_fallocate, c_fsync, c_lseek, &
+      c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, &
+      c_rmdir, c_truncate, c_unlink, c_write, failure_number, failure_text, folder_entries, &
+      longest_name
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_int32_t, c_loc, c_null_char, &
       c_size_t
+   use, intrinsic :: iso_fortran_env, only: output_unit
    implicit none
    private
 
-   public :: file_exists, file_size, folder_of, join_path, list_folder, longest_name, make_folder, &
-      make_temporary_folder, name_of, output_file_t, program_path, read_file, real_path, &
-      remove_file, remove_folder, rename_file, reserve_file, sync_file, sync_folder, &
-      truncate_file, write_file
+   public :: divert_file, file_exists, file_size, folder_of, join_path, list_folder, longest_name, &
+      make_folder, make_temporary_folder, name_of, occupy_streams, output_file_t, print_text, &
+      program_path, read_file, real_path, remove_file, remove_folder, rename_file, reserve_file, &
+      sync_file, sync_folder, truncate_file, write_file
 
    integer, parameter, public :: longest_path = 1024     !! Characters of a path
    integer(c_int32_t), parameter :: file_mode = int(o"666", c_int32_t)
    integer(c_int32_t), parameter :: folder_mode = int(o"777", c_int32_t)
    integer(c_int), parameter :: exists_mode = 0, write_only = 1, read_only = 0
+   integer(c_int), parameter :: output_stream = 1, last_stream = 2 !! Standard streams
    integer(c_int), parameter :: append_to = 1024         !! O_APPEND of Linux
    integer(c_int), parameter :: create_new = 64 + 128    !! O_CREAT and O_EXCL: no link is followed
    integer(c_int), parameter :: not_there = 2            !! ENOENT
@@ -115,13 +118,43 @@ contains
    !> Path of the running program; empty if the system does not report it.
    function program_path() result(path)
       character(len=:), allocatable :: path
+
+      path = link_target("/proc/self/exe")
+   end function program_path
+
+   !> Target of a link, empty if it cannot be read.
+   function link_target(path) result(target_path)
+      character(len=*), intent(in) :: path               !! Path of a symbolic link
+      character(len=:), allocatable :: target_path
       character(len=longest_path), target :: letters
       integer(c_size_t) :: length
 
-      length = c_readlink("/proc/self/exe"//c_null_char, c_loc(letters(1:1)), &
-         int(longest_path, c_size_t))
-      path = letters(:max(int(length), 0))
-   end function program_path
+      length = c_readlink(path//c_null_char, c_loc(letters(1:1)), int(longest_path, c_size_t))
+      target_path = letters(:max(int(length), 0))
+   end function link_target
+
+   !> Let all open descriptors of a file mean a new file in memory: what a library still writes
+   !! before it closes the file goes there, and does not fail.
+   subroutine divert_file(path)
+      character(len=*), intent(in) :: path               !! File
+      character(len=*), parameter :: descriptors = "/proc/self/fd"
+      character(len=longest_name), allocatable :: names(:)
+      character(len=:), allocatable :: whole
+      integer(c_int) :: descriptor, memory, status
+      logical :: readable
+      integer :: n
+
+      whole = real_path(path)
+      call folder_entries(descriptors, "", "", names, readable)
+      do n = 1, size(names)
+         if (link_target(join_path(descriptors, trim(names(n)))) /= whole) cycle
+         read (names(n), "(i10)", iostat=status) descriptor
+         memory = c_memfd_create("scree"//c_null_char, 0_c_int)
+         if (status /= 0 .or. memory < 0) cycle
+         status = c_dup2(memory, descriptor)
+         status = c_close(memory)
+      end do
+   end subroutine divert_file
 
    !> Absolute path without links and dots; unchanged if there is no such file.
    function real_path(path) result(whole)
@@ -325,7 +358,10 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer(c_int) :: descriptor, status
       integer(c_size_t) :: bytes, done, got
+      character(len=:), allocatable, target :: longer
+      integer(c_size_t), parameter :: block = 65536
 
+      ! a pipe has no length
       bytes = max(file_size(path), 0_int64)
       allocate (character(len=bytes) :: text)
       descriptor = c_open(path//c_null_char, read_only, file_mode)
@@ -334,14 +370,46 @@ contains
          return
       end if
       done = 0
-      do while (done < bytes)
-         got = c_read(descriptor, c_loc(text(done + 1:done + 1)), bytes - done)
+      got = 0
+      do
+         if (done == len(text)) then
+            if (bytes > 0) exit
+            allocate (character(len=done + max(done, block)) :: longer)
+            longer(:done) = text
+            call move_alloc(longer, text)
+         end if
+         got = c_read(descriptor, c_loc(text(done + 1:done + 1)), len(text, c_size_t) - done)
          if (got <= 0) exit
          done = done + got
       end do
-      if (done < bytes) call fail_path(error, "read", path)
+      if (got < 0 .or. done < bytes) call fail_path(error, "read", path)
+      if (done < len(text)) text = text(:done)
       status = c_close(descriptor)
    end subroutine read_file
+
+   !> Give the numbers of standard streams that are closed to a file that refuses all writing. A
+   !! file that is opened later would get such a number, and what is printed would be written to it.
+   subroutine occupy_streams()
+      integer(c_int) :: descriptor, status
+
+      do
+         descriptor = c_open("/dev/null"//c_null_char, read_only, file_mode)
+         if (descriptor > last_stream) status = c_close(descriptor)
+         if (descriptor > last_stream .or. descriptor < 0) exit
+      end do
+   end subroutine occupy_streams
+
+   !> Print a text that is the result of the program; Fortran does not report if this fails.
+   subroutine print_text(text, error)
+      character(len=*), intent(in) :: text               !! Line ends included
+      type(error_t), allocatable, intent(out) :: error   !! A full disk, a closed stream
+      type(output_file_t) :: stream
+
+      flush (output_unit)
+      stream%path = "standard output"
+      stream%descriptor = output_stream
+      call stream%write(text, error)
+   end subroutine print_text
 
    !> Create an empty file, which replaces the content of an existing one.
    subroutine output_create(self, path, error, new)

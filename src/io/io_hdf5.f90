@@ -16,22 +16,25 @@ module io_hdf5
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dont_atexit_f, h5eset_auto_f, &
-      h5f_acc_trunc_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_scope_global_f, h5fclose_f, &
-      h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, h5oclose_f, h5oopen_f, &
-      h5open_f, h5p_file_access_f, h5p_file_create_f, h5pclose_f, h5pcreate_f, &
-      h5pset_libver_bounds_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+      h5f_acc_trunc_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_obj_all_f, h5f_obj_file_f, &
+      h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fget_filesize_f, &
+      h5fget_obj_count_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, &
+      h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, h5p_file_create_f, h5pclose_f, &
+      h5pcreate_f, h5pset_libver_bounds_f, h5pset_meta_block_size_f, &
+      h5pset_small_data_block_size_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, h5tclose_f, h5tcopy_f, &
       h5tset_size_f, hid_t, hsize_t, size_t
-   use io_file, only: folder_of, remove_file, rename_file, reserve_file, sync_file, sync_folder, &
-      truncate_file
+   use io_file, only: divert_file, folder_of, remove_file, rename_file, reserve_file, sync_file, &
+      sync_folder, truncate_file
    use io_hdf5_ranks, only: open_on_all_ranks
-   use io_libc, only: clear_failure, failure_number, failure_text
+   use io_libc, only: c_dlsym, clear_failure, failure_number, failure_text
    use io_seal, only: write_seal
-   use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_f_pointer, c_int, c_int64_t, &
+      c_loc, c_null_char, c_null_ptr, c_ptr
    implicit none
    private
 
-   public :: hdf5_file_t, start_library, text_type
+   public :: hdf5_file_t, leave_library, start_library, text_type
 
    integer(c_int), parameter :: never_again = 3          !! H5F_FSPACE_STRATEGY_NONE
 
@@ -85,6 +88,23 @@ contains
       call clear_failure()
    end subroutine start_library
 
+   !> After an error, before the end of message passing: the library then closes all files that are
+   !! open, and crashes at one that it could not close before. Its flag is set as if it had ended.
+   subroutine leave_library()
+      logical(c_bool), pointer :: is_started
+      integer(size_t) :: files
+      integer :: status
+      type(c_ptr) :: address
+
+      call start_library(status)
+      call h5fget_obj_count_f(int(h5f_obj_all_f, hid_t), h5f_obj_file_f, files, status)
+      if (status < 0 .or. files == 0) return
+      address = c_dlsym(c_null_ptr, "H5_libinit_g"//c_null_char)
+      if (.not. c_associated(address)) return
+      call c_f_pointer(address, is_started)
+      is_started = .false.
+   end subroutine leave_library
+
    !> Reserve space for a file and create it. Collective.
    subroutine hdf5_create(self, communicator, path, bytes, error)
       class(hdf5_file_t), intent(inout) :: self
@@ -113,6 +133,9 @@ contains
       ! HDF5 2 by default writes groups that older versions do not read, with positions that differ
       ! between one rank and several
       call h5pset_libver_bounds_f(access_list, h5f_libver_earliest_f, h5f_libver_latest_f, status)
+      ! without blocks of space for later objects, nothing is written after the last flush
+      call h5pset_meta_block_size_f(access_list, 0_hsize_t, status)
+      call h5pset_small_data_block_size_f(access_list, 0_hsize_t, status)
       call h5pcreate_f(h5p_file_create_f, plan, status)
       ! if HDF5 reused free space, the position of a moved chunk would depend on the ranks
       status = c_file_space_strategy(plan, never_again, .false._c_bool, 1_hsize_t)
@@ -121,8 +144,8 @@ contains
       call self%share_status("create", "", status)
       call h5pclose_f(access_list, status)
       call h5pclose_f(plan, status)
-      if (self%works() .and. communicator%size > 1) then
-         ! this is a new file, so space is reserved again
+      if (self%works()) then
+         ! this is a new or truncated file, so space is reserved again
          if (communicator%rank == 0) call reserve_file(part_of(self), bytes, error)
          call agree_plainly(communicator, error)
          if (allocated(error)) self%problem = error
@@ -153,21 +176,42 @@ contains
    subroutine hdf5_finish(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error    !! Not written; no file remains
-      type(error_t), allocatable :: ignored
+      integer(hsize_t) :: bytes
       integer :: status
+      logical :: stuck
 
+      stuck = .false.
       if (self%works()) then
          call h5fflush_f(self%id, h5f_scope_global_f, status)
          call self%share_status("complete", "", status)
+         stuck = .not. self%works()
       end if
-      if (.not. self%works()) then
-         ! truncating the file frees the space that the library needs to close without an error
-         if (self%communicator%rank == 0) call truncate_file(part_of(self), 0_int64, ignored)
+      if (self%works()) then
+         ! errors of a disk that writes later must be known before the file is closed
+         if (self%communicator%rank == 0) call sync_file(part_of(self), error)
+         call agree_plainly(self%communicator, error)
+         if (allocated(error)) call move_alloc(error, self%problem)
+      end if
+      bytes = 0
+      if (self%works()) then
+         call h5fget_filesize_f(self%id, bytes, status)
+         call self%share_status("complete", "", status)
+      end if
+      if (self%id >= 0) then
+         ! closing a file may write to it once more, which must not fail; after a failed flush the
+         ! file can never be closed
+         call divert_file(part_of(self))
          call self%communicator%barrier()
+         if (.not. stuck) call h5fclose_f(self%id, status)
+         self%id = -1
+         if (self%works()) call self%share_status("close", "", status)
       end if
-      if (self%id >= 0) call h5fclose_f(self%id, status)
-      self%id = -1
-      if (self%works()) call self%share_status("close", "", status)
+      if (self%works()) then
+         ! reserved space may be left
+         if (self%communicator%rank == 0) call truncate_file(part_of(self), bytes, error)
+         call agree_plainly(self%communicator, error)
+         if (allocated(error)) call move_alloc(error, self%problem)
+      end if
       if (self%works() .and. allocated(self%seal)) then
          call write_seal(self%communicator, part_of(self), self%seal, error)
          if (allocated(error)) call move_alloc(error, self%problem)

@@ -9,18 +9,20 @@ module io_history
    use base_text, only: buffer_t
    use base_units, only: output_units_t
    use io_file, only: file_exists, output_file_t, read_file, write_file
+   use io_table_rows, only: add_to_mark, keep_rows, mark_size
    use io_text, only: integer_text, real_text
    implicit none
    private
 
    public :: history_t
 
-   character(len=*), parameter :: key = "step"           !! Column of integers
    integer, parameter :: unit_length = 16                !! Longest unit
 
    !> A file of histories. Rank 0 writes; the values must be the same on all ranks.
    type :: history_t
-      integer, private :: key_place = 0                  !! Index of the column "step"
+      integer(int64) :: wanted(mark_size) = 0            !! Content at the checkpoint, 0 = unknown
+      character(len=:), allocatable :: lost              !! Rank 0: message on lost rows, or empty
+      integer(int64), private :: mark(mark_size) = 0     !! Content on rank 0
       logical, allocatable, private :: whole(:)          !! (column) Is it of integers?
       type(output_units_t) :: units                      !! Units of the columns
       real(wp), allocatable :: latest(:)                 !! (column) The last row of `row`, in SI
@@ -30,6 +32,8 @@ module io_history
       procedure :: open => history_open                  !! Creates or continues the file
       procedure :: row => history_row                    !! Write a row
       procedure :: rows => history_rows                  !! Write several rows of one time
+      procedure, private :: add => history_add           !! Write lines
+      procedure :: save => history_save                  !! Wait for the disk
       procedure :: close => history_close                !! Close
    end type history_t
 
@@ -45,15 +49,14 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written, or other columns
       character(len=:), allocatable :: heading
       integer :: bracket, column
-      logical :: going_on
 
-      self%key_place = 0
+      self%mark = 0
+      self%lost = ""
       if (allocated(self%whole)) deallocate (self%whole)
       if (allocated(self%unit)) deallocate (self%unit)
       allocate (self%whole(size(columns)), self%unit(size(columns)))
       heading = ""
       do column = 1, size(columns)
-         if (columns(column) == key) self%key_place = column
          bracket = index(columns(column), "[")
          self%whole(column) = bracket == 0
          self%unit(column) = columns(column)(bracket + 1:len_trim(columns(column)) - 1)
@@ -66,65 +69,70 @@ contains
          end if
       end do
       if (communicator%rank == 0) then
-         going_on = file_exists(path)
-         if (resume_step >= 0 .and. going_on) then
-            call cut_back(path, heading, self%key_place, resume_step, error)
-            if (.not. allocated(error)) call self%file%append(path, error)
+         if (resume_step >= 0) then
+            call cut_back(self, path, heading, resume_step, error)
          else
             call self%file%create(path, error)
             if (.not. allocated(error)) call self%file%write(heading//new_line("a"), error)
+            call add_to_mark(heading//new_line("a"), self%mark)
          end if
       end if
       call agree(communicator, error)
    end subroutine history_open
 
-   !> Remove the rows after a step, and an unfinished last line.
-   subroutine cut_back(path, heading, key_place, resume_step, error)
+   !> Remove the rows after a step, and damaged ones.
+   subroutine cut_back(self, path, heading, resume_step, error)
+      class(history_t), intent(inout) :: self
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: heading            !! Expected first line
-      integer, intent(in) :: key_place                   !! Index of the column "step"
       integer(int64), intent(in) :: resume_step          !! Last step that is kept
       type(error_t), allocatable, intent(out) :: error   !! Another heading, or not writable
-      character(len=:), allocatable :: text
-      integer :: first, kept, length
+      character(len=:), allocatable :: kept, text
+      logical :: matches
 
-      call read_file(path, text, error)
+      text = ""
+      if (file_exists(path)) call read_file(path, text, error)
       if (allocated(error)) return
-      length = index(text, new_line("a"))
-      if (length == 0) length = len(text) + 1
-      if (text(:length - 1) /= heading) then
+      call keep_rows(path, text, heading, resume_step, self%wanted, kept, self%lost, matches)
+      if (.not. matches) then
          call fail(error, exit_file, "'"//path//"' has other columns than this run; "// &
             "rename it or choose another case name")
          return
       end if
-      kept = length
-      do
-         first = kept + 1
-         length = index(text(first:), new_line("a"))
-         if (length == 0) exit
-         if (step_of(text(first:first + length - 2), key_place) > resume_step) exit
-         kept = kept + length
-      end do
-      call write_file(path, text(:kept), error)
+      call add_to_mark(kept, self%mark)
+      call write_file(path, kept, error)
+      if (.not. allocated(error)) call self%file%append(path, error)
    end subroutine cut_back
 
-   !> The step of a row; a row that cannot be read is dropped.
-   pure function step_of(line, key_place) result(step)
-      character(len=*), intent(in) :: line               !! A row
-      integer, intent(in) :: key_place                   !! Index of the column "step"
-      integer(int64) :: step
-      integer :: comma, first, place, status
+   !> Write lines at once. Collective.
+   subroutine history_add(self, communicator, text, error)
+      class(history_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: text               !! Rank 0: whole lines
+      type(error_t), allocatable, intent(out) :: error   !! Not written, for example on a full disk
 
-      first = 1
-      do place = 2, key_place
-         comma = index(line(first:), ",")
-         if (comma == 0) exit
-         first = first + comma
-      end do
-      comma = index(line(first:)//",", ",")
-      read (line(first:first + comma - 2), "(i20)", iostat=status) step
-      if (status /= 0) step = huge(step)
-   end function step_of
+      if (communicator%rank == 0) then
+         call self%file%write(text, error)
+         if (.not. allocated(error)) call add_to_mark(text, self%mark)
+      end if
+      call agree(communicator, error)
+   end subroutine history_add
+
+   !> Wait until all rows are on disk, for a checkpoint. Collective.
+   subroutine history_save(self, communicator, mark, error)
+      class(history_t), intent(in) :: self
+      type(communicator_t), intent(in) :: communicator
+      integer(int64), intent(out) :: mark(mark_size)     !! Content of the file, on all ranks
+      type(error_t), allocatable, intent(out) :: error   !! Rows did not reach the disk
+
+      mark = 0
+      if (communicator%rank == 0) then
+         mark = self%mark
+         if (any(mark /= 0)) call self%file%sync(error)
+      end if
+      call agree(communicator, error)
+      call communicator%total(mark)
+   end subroutine history_save
 
    !> Write a row, at once. Collective.
    subroutine history_row(self, communicator, values, error)
@@ -134,9 +142,7 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Not written, for example on a full disk
 
       self%latest = values
-      if (communicator%rank == 0) &
-         call self%file%write(line_of(self, values, 0)//new_line("a"), error)
-      call agree(communicator, error)
+      call self%add(communicator, line_of(self, values, 0)//new_line("a"), error)
    end subroutine history_row
 
    !> Write several rows with the same first columns in one call. Collective.
@@ -155,9 +161,8 @@ contains
          do row = 1, size(values, 2)
             call buffer%line(front//line_of(self, values(:, row), size(begin)))
          end do
-         call self%file%write(buffer%content(), error)
       end if
-      call agree(communicator, error)
+      call self%add(communicator, buffer%content(), error)
    end subroutine history_rows
 
    !> Numbers with commas between them, in the units of the file.

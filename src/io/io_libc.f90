@@ -8,10 +8,10 @@ module io_libc
    implicit none
    private
 
-   public :: c_access, c_close, c_creat, c_fallocate, c_fsync, c_getpid, c_kill, c_lseek, c_mkdir, &
-      c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, c_rmdir, c_statfs, c_time, &
-      c_truncate, c_unlink, c_usleep, c_write, clear_failure, failure_number, failure_text, &
-      folder_entries
+   public :: c_access, c_close, c_creat, c_dlsym, c_dup2, c_fallocate, c_fsync, c_getpid, c_kill, &
+      c_lseek, c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, &
+      c_rmdir, c_statfs, c_time, c_truncate, c_unlink, c_usleep, c_write, clear_failure, &
+      failure_number, failure_text, folder_entries
 
    integer, parameter, public :: longest_name = 255              !! Longest file name
    integer, parameter :: name_offset = 19                !! Bytes before the name in a dirent
@@ -92,6 +92,30 @@ module io_libc
          integer(c_int), value :: whence                  !! 2: from the end
          integer(c_int64_t) :: place
       end function c_lseek
+
+      function c_memfd_create(name, flags) bind(c, name="memfd_create") result(descriptor)
+         import :: c_char, c_int
+         implicit none
+         character(kind=c_char), intent(in) :: name(*)    !! Null-terminated
+         integer(c_int), value :: flags                   !! 0
+         integer(c_int) :: descriptor
+      end function c_memfd_create
+
+      function c_dlsym(library, name) bind(c, name="dlsym") result(address)
+         import :: c_char, c_ptr
+         implicit none
+         type(c_ptr), value :: library                    !! Null: all libraries of the program
+         character(kind=c_char), intent(in) :: name(*)    !! Null-terminated
+         type(c_ptr) :: address                           !! Null: there is no such symbol
+      end function c_dlsym
+
+      function c_dup2(old, new) bind(c, name="dup2") result(descriptor)
+         import :: c_int
+         implicit none
+         integer(c_int), value :: old                     !! Open file
+         integer(c_int), value :: new                     !! Descriptor that is to mean this file
+         integer(c_int) :: descriptor
+      end function c_dup2
 
       function c_fsync(descriptor) bind(c, name="fsync") result(status)
          import :: c_int

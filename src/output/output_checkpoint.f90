@@ -8,6 +8,7 @@ module output_checkpoint
    use io_file, only: file_exists, join_path, longest_path
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
+   use output_former_run, only: is_own_checkpoint
    use output_load_state, only: keep_marks, mark_new_loads, save_loads
    use output_streams, only: outputs_t
    use scene_particles, only: distribute_particles
@@ -44,7 +45,11 @@ contains
 
       call simulation%machine%timer%start(simulation%machine%phase%checkpoint)
       call describe_state(simulation, state)
-      call outputs%save(state)
+      call outputs%save(simulation%machine%communicator, state, error)
+      if (allocated(error)) then
+         call simulation%machine%timer%stop(simulation%machine%phase%checkpoint)
+         return
+      end if
       call save_errors(simulation, state)
       call save_trust(simulation%balance%trust, state)
       call state%set("checkpoint_number", [int(place%number, int64)])
@@ -120,7 +125,7 @@ contains
       call continue_inflows(simulation, state, error)
       if (.not. allocated(error)) call keep_marks(simulation, state, error)
       if (allocated(error)) return
-      call outputs%load(state)
+      call outputs%load(state, is_own_checkpoint(place%folder, place%case, path))
       call load_errors(simulation, state)
       call load_trust(simulation%balance%trust, state)
       call distribute_particles(simulation)

@@ -47,6 +47,8 @@ module output_stream
       procedure :: ledger_rows => stream_ledger_rows !! Rows that evaluate the ledger
       procedure :: counters => stream_counters       !! State for a checkpoint
       procedure :: set_counters => stream_set_counters !! State from a checkpoint
+      procedure :: save_table => stream_save_table   !! Content of a table for a checkpoint
+      procedure :: expect_table => stream_expect_table !! Content of a table at a checkpoint
    end type stream_t
 
    !> Holds a stream of any kind.
@@ -235,4 +237,18 @@ contains
 
       self%last_step = counters(1)
    end subroutine stream_set_counters
+
+   !> Wait until the rows of a table are on disk, for a checkpoint. Collective.
+   subroutine stream_save_table(self, communicator, mark, error)
+      class(stream_t), intent(in) :: self
+      type(communicator_t), intent(in) :: communicator
+      integer(int64), allocatable, intent(out) :: mark(:) !! Content; not allocated: no table
+      type(error_t), allocatable, intent(out) :: error !! Rows did not reach the disk
+   end subroutine stream_save_table
+
+   !> Set the content of the table at the checkpoint from which the run continues.
+   pure subroutine stream_expect_table(self, mark)
+      class(stream_t), intent(inout) :: self
+      integer(int64), intent(in) :: mark(:)          !! From stream_save_table
+   end subroutine stream_expect_table
 end module output_stream

@@ -118,7 +118,7 @@ contains
       class(outputs_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation   !! Ranks and present step
       logical, intent(in) :: restarted               !! Does the run continue from a checkpoint?
-      character(len=:), allocatable, intent(out) :: note !! Snapshots left out, or empty
+      character(len=:), allocatable, intent(out) :: note !! Files that lost data, or empty
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
       character(len=:), allocatable :: left_out
       integer :: n
@@ -248,42 +248,55 @@ contains
    end subroutine outputs_close
 
    !> Put the counters of the streams into the state of a checkpoint, each under the name of its
-   !! files, so that a deck with more or fewer streams finds those that it has.
-   subroutine outputs_save(self, state)
+   !! files, so that a deck with more or fewer streams finds those that it has. All rows of tables
+   !! are on disk afterwards. Collective.
+   subroutine outputs_save(self, communicator, state, error)
       class(outputs_t), intent(in) :: self
+      type(communicator_t), intent(in) :: communicator
       type(state_t), intent(inout) :: state          !! State of the checkpoint
+      type(error_t), allocatable, intent(out) :: error !! Rows did not reach the disk
+      integer(int64), allocatable :: mark(:)
       integer :: n
 
       do n = 1, size(self%streams)
-         call state%set(counter_name(self, self%streams(n)%item), &
-            self%streams(n)%item%counters())
+         associate (stream => self%streams(n)%item)
+            call state%set("output"//suffix(self, stream), stream%counters())
+            call stream%save_table(communicator, mark, error)
+            if (allocated(error)) return
+            if (allocated(mark)) call state%set("table"//suffix(self, stream), mark)
+         end associate
       end do
       call self%stop_quantity%save(state)
    end subroutine outputs_save
 
-   !> Name of the counters of a stream in a checkpoint; another case has the same.
-   pure function counter_name(self, stream) result(name)
+   !> End of the names of a stream in a checkpoint; another case has the same.
+   pure function suffix(self, stream) result(name)
       class(outputs_t), intent(in) :: self           !! For the case
       class(stream_t), intent(in) :: stream
       character(len=:), allocatable :: name
 
-      name = "output"//stream%file(len(self%case) + 1:)
-   end function counter_name
+      name = stream%file(len(self%case) + 1:)
+   end function suffix
 
    !> Restore the counters from a checkpoint. Streams added to the deck since then start from zero.
    !! The state of the schedules follows from the time, because intervals may have changed.
-   subroutine outputs_load(self, state)
+   subroutine outputs_load(self, state, has_tables)
       class(outputs_t), intent(inout) :: self
       type(state_t), intent(in) :: state             !! State of the checkpoint
-      integer(int64), allocatable :: counters(:)
+      logical, intent(in) :: has_tables              !! Are its tables in the folder of this run?
+      integer(int64), allocatable :: counters(:), mark(:)
       type(error_t), allocatable :: error
       integer :: n
 
       do n = 1, size(self%streams)
          associate (stream => self%streams(n)%item)
-            call state%get(counter_name(self, stream), counters, error)
+            call state%get("output"//suffix(self, stream), counters, error)
             if (allocated(error)) cycle
             call stream%set_counters(counters)
+            if (has_tables .and. state%has("table"//suffix(self, stream))) then
+               call state%get("table"//suffix(self, stream), mark, error)
+               call stream%expect_table(mark)
+            end if
             call stream%schedule%catch_up(state%time)
          end associate
       end do

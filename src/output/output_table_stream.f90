@@ -8,6 +8,7 @@ module output_table_stream
    use base_text, only: brief
    use io_history, only: history_t
    use io_snapshot, only: snapshot_header_t
+   use io_table_rows, only: mark_size
    use output_stream, only: stream_t
    use step_simulation, only: simulation_t
    implicit none
@@ -32,6 +33,8 @@ module output_table_stream
       procedure :: close => table_close              !! Close the file
       procedure :: limit => table_limit              !! Refuse implausible sizes
       procedure :: list => table_list                !! For the summary
+      procedure :: save_table => table_save_table    !! Content for a checkpoint
+      procedure :: expect_table => table_expect_table !! Content at a checkpoint
    end type table_stream_t
 
    abstract interface
@@ -83,15 +86,15 @@ contains
       character(len=*), intent(in) :: folder         !! Folder of the results
       type(snapshot_header_t), intent(in) :: header  !! Units of the columns
       logical, intent(in) :: restarted               !! Does the run continue from a checkpoint?
-      character(len=:), allocatable, intent(out) :: note !! Empty
+      character(len=:), allocatable, intent(out) :: note !! Rank 0: lost rows, or empty
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       character(len=heading_length), allocatable :: columns(:)
 
-      note = ""
       self%table%units = header%units
       call self%list_columns(columns)
       call self%table%open(simulation%machine%communicator, folder//"/"//self%file, &
          columns, merge(simulation%clock%step, -1_int64, restarted), error)
+      note = self%table%lost
    end subroutine table_open
 
    !> Write the rows of the present time. Collective.
@@ -116,6 +119,25 @@ contains
 
       call self%table%close()
    end subroutine table_close
+
+   !> Wait until all rows are on disk, for a checkpoint. Collective.
+   subroutine table_save_table(self, communicator, mark, error)
+      class(table_stream_t), intent(in) :: self
+      type(communicator_t), intent(in) :: communicator
+      integer(int64), allocatable, intent(out) :: mark(:) !! Content of the table
+      type(error_t), allocatable, intent(out) :: error !! Rows did not reach the disk
+
+      allocate (mark(mark_size))
+      call self%table%save(communicator, mark, error)
+   end subroutine table_save_table
+
+   !> Set the content of the table at the checkpoint from which the run continues.
+   pure subroutine table_expect_table(self, mark)
+      class(table_stream_t), intent(inout) :: self
+      integer(int64), intent(in) :: mark(:)          !! From table_save_table
+
+      if (size(mark) == mark_size) self%table%wanted = mark
+   end subroutine table_expect_table
 
    !> Refuse implausible sizes.
    subroutine table_limit(self, deck, particles, time_end, steps)

@@ -174,7 +174,7 @@ contains
       type(grains_run_t), intent(inout) :: run
       type(log_t), intent(inout) :: log
       type(error_t), allocatable, intent(out) :: error
-      character(len=:), allocatable :: stem, note
+      character(len=:), allocatable :: stem
 
       associate (communicator => run%cell%communicator, output => run%output)
          if (communicator%rank == 0) call make_folder(output%folder, error)
@@ -196,8 +196,8 @@ contains
          if (communicator%rank == 0) call write_file(stem//".echo.nml", setup%deck%echo(), error)
          call agree(communicator, error)
          if (allocated(error)) return
-         call output%open(run%cell, run%path, setup%command%restart, note, error)
-         if (.not. allocated(error) .and. len(note) > 0) call log%warn(note)
+         call output%open(run%cell, run%path, setup%command%restart, run%losses, error)
+         if (.not. allocated(error) .and. len(run%losses) > 0) call log%warn(run%losses)
       end associate
    end subroutine open_grains_log
 
@@ -232,6 +232,7 @@ contains
          " million grain steps/s   neighbour searches ", run%cell%searches, " in ", run%cell%step, &
          " steps"
       call log%info(trim(line))
+      if (len(run%losses) > 0) call log%warn(run%losses)
       call log%info(with_code("ended     "//run%reason))
       if (run%cell%communicator%rank == 0) then
          call json%add("version", version_text)

@@ -19,6 +19,7 @@ module program_grains_loop
    use io_lock, only: lock_t
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
+   use output_former_run, only: is_own_checkpoint
    use particle_store, only: store_t
    use program_run_limits, only: limits_t
    use program_run_setup, only: run_setup_t
@@ -41,6 +42,7 @@ module program_grains_loop
       type(checkpoint_place_t) :: place
       character(len=:), allocatable :: reason        !! Reason of the end
       character(len=:), allocatable :: note          !! Note about a restart, for the log
+      character(len=:), allocatable :: losses        !! Rank 0: what earlier files have lost
       integer(int64) :: first_step = 0               !! First step of this process
       real(wp) :: steps_wall = 0.0_wp                !! Wall time of the steps [s]
       real(wp) :: last_line = 0.0_wp                 !! Wall time of the last progress line [s]
@@ -122,6 +124,7 @@ contains
       run%place%number = int(counters(1)) + 1
       run%output%snapshots = int(counters(2))
       run%first_step = run%cell%step
+      if (is_own_checkpoint(run%place%folder, run%place%case, path)) call run%output%load(state)
       run%note = "restart from "//path
       if (len(notes) > 0) run%note = notes//new_line("a")//run%note
       if (run%path%now > size(run%path%stages)) then
@@ -324,6 +327,8 @@ contains
       call save_cell(run%cell, run%path, run%output%energy_at_start, state)
       call state%set("digest", [cell_hash(state)])
       call state%set("counters", [int(run%place%number, int64), int(run%output%snapshots, int64)])
+      call run%output%save(run%cell, state, error)
+      if (allocated(error)) return
       call checkpoint_write(run%cell%communicator, run%place, none, state, error)
       run%last_checkpoint = wall_seconds()
       if (allocated(error)) return

@@ -9,7 +9,7 @@ module program_information
    use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
       git_commit, version_text
    use io_digest, only: file_digest
-   use, intrinsic :: iso_fortran_env, only: output_unit
+   use io_file, only: print_text
    use program_command, only: information_request_t
    use program_examples, only: examples_text
    use program_help, only: help_text
@@ -55,7 +55,7 @@ contains
       end if
       if (allocated(error)) return
       if (text(max(len(text), 1):) == new_line("a")) text = text(:len(text) - 1)
-      write (output_unit, "(a)") text
+      call print_text(text//new_line("a"), error)
    end subroutine print_information
 
    !> Versions of the program, the compiler and the message passing library, in one line.

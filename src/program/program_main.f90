@@ -5,9 +5,10 @@ module program_main
    use base_process, only: ranks_of_launcher
    use base_text, only: append
    use base_version, only: has_ranks
-   use io_file, only: join_path, write_file
+   use io_file, only: join_path, occupy_streams, print_text, write_file
+   use io_hdf5, only: leave_library
    use, intrinsic :: iso_c_binding, only: c_int
-   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   use, intrinsic :: iso_fortran_env, only: output_unit
    use program_batch_job, only: job_text
    use program_command_line, only: parse_command_line, program_arguments
    use program_cost_report, only: cost_report, memory_bytes
@@ -42,6 +43,7 @@ contains
       type(error_t), allocatable :: error
 
       code = exit_success
+      call occupy_streams()
       call ignore_file_size_limit()
       session%log%annotate => add_codes
       call parse_command_line(program_arguments(), session%command, error)
@@ -64,6 +66,7 @@ contains
       end if
       call session%lock%release()
       call session%log%close()
+      if (allocated(error)) call leave_library()
       call session%simulation%machine%communicator%finish()
       if (allocated(session%preview_folder) .and. session%simulation%machine%communicator%rank == &
          0) &
@@ -91,7 +94,7 @@ contains
       call copy_example(session%command%example%name, session%command%example%folder, copied, error)
       if (allocated(error)) return
       if (copied%has_grains) then
-         write (output_unit, "(a)", advance="no") next_steps(copied)
+         call print_text(next_steps(copied), error)
          return
       end if
       session%command%deck = join_path(copied%folder, copied%deck)
@@ -103,7 +106,7 @@ contains
          call write_file(join_path(copied%folder, job_file), text, error)
       if (allocated(error)) return
       call append(copied%files, job_file)
-      write (output_unit, "(a)", advance="no") next_steps(copied)
+      call print_text(next_steps(copied), error)
    end subroutine create_example_folder
 
    !> Run the self-test on all ranks.
@@ -152,7 +155,7 @@ contains
             write (output_unit, "(a)", advance="no") session%deck%echo()
          else if (allocated(command%job%scheduler)) then
             call job_text(session, command%deck, text, error)
-            if (.not. allocated(error)) write (output_unit, "(a)", advance="no") text
+            if (.not. allocated(error)) call print_text(text, error)
          else if (command%check) then
             call print_check(session, error)
          else if (command%preview) then
@@ -178,18 +181,20 @@ contains
    subroutine print_check(session, error)
       type(session_t), intent(inout) :: session
       type(error_t), allocatable, intent(out) :: error !! The first state cannot be built
-      character(len=:), allocatable :: text
+      character(len=:), allocatable :: existing, text
 
-      write (output_unit, "(a)") coded(session%deck%report())
-      write (output_unit, "(a)", advance="no") effects_text(session%schema, session%deck)
-      write (output_unit, "(a)", advance="no") cost_report(session%simulation, session%bodies, &
-         session%survey, session%limits, session%outputs%full_snapshots(session%limits%time_end))
-      text = existing_results_text(session)
-      if (len(text) > 0) write (output_unit, "(a)") text
+      text = coded(session%deck%report())//new_line("a")// &
+         effects_text(session%schema, session%deck)// &
+         cost_report(session%simulation, session%bodies, session%survey, session%limits, &
+         session%outputs%full_snapshots(session%limits%time_end))
+      existing = existing_results_text(session)
+      if (len(existing) > 0) text = text//existing//new_line("a")
+      call print_text(text, error)
+      if (allocated(error)) return
       if (.not. session%command%estimate .or. session%survey%particles > most_particles) return
       if (.not. memory_suffices(memory_bytes(session%simulation, session%survey))) return
       call estimate_text(session, text, error)
-      if (.not. allocated(error)) write (output_unit, "(a)", advance="no") text
+      if (.not. allocated(error)) call print_text(text, error)
    end subroutine print_check
 
    !> Drive one material point.
@@ -202,7 +207,7 @@ contains
       call session%deck%verdict(error)
       if (allocated(error)) return
       call drive_point(session%deck, session%command%output%folder, note, error)
-      if (.not. allocated(error)) write (output_unit, "(a)") note
+      if (.not. allocated(error)) call print_text(note//new_line("a"), error)
    end subroutine run_point
 
    !> Run the simulation from its first state or a checkpoint to its end.

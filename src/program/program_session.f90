@@ -39,6 +39,7 @@ module program_session
       type(time_loop_t) :: loop                      !! Steps of the run
       type(error_t), allocatable :: failure          !! Error that ended the run
       real(wp) :: begin = 0.0_wp                     !! Wall time at its begin [s]
+      character(len=:), allocatable :: losses        !! Rank 0: what earlier files have lost
    end type session_t
 
 contains
@@ -119,6 +120,8 @@ contains
             session%begin, timing, code, loop%reason, late)
          call agree(communicator, late)
          call session%lock%release()
+         ! the warning at the start is far above the end of a long log
+         if (len(session%losses) > 0) call session%log%warn(session%losses)
          if (allocated(error)) return
          call session%log%info(with_code("ended     "//loop%reason))
          if (code == exit_again) call session%log%info("go on     "//resume_command( &
@@ -178,9 +181,9 @@ contains
       call report_loads(session%simulation, session%log)
       call number_lattices(session%simulation, session%bodies)
       call free_shapes(session)
-      call session%outputs%open(session%simulation, session%command%restart, note, error)
+      call session%outputs%open(session%simulation, session%command%restart, session%losses, error)
       if (allocated(error)) return
-      if (len(note) > 0) call session%log%warn(note//"omitted from the series; the run continues")
+      if (len(session%losses) > 0) call session%log%warn(session%losses)
       if (session%outputs%has_series()) call write_walls(session%simulation, &
          session%outputs, session%outputs%folder, session%limits%time_end, error)
    end subroutine start_simulation

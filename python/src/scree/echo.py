@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 from typing import Any
 
-from .errors import FileProblem
+from .errors import DAMAGE, FileProblem
 
 
 @functools.lru_cache(maxsize=8)
@@ -14,7 +14,7 @@ def _read(echo: str) -> Any:
     import f90nml
     try:
         return f90nml.reads(echo)
-    except (ValueError, StopIteration, AssertionError) as error:
+    except DAMAGE as error:
         raise FileProblem(f"the deck stored in a file cannot be read: {error}") from error
 
 

@@ -2,10 +2,11 @@
 """Errors: of files that are read, and of runs by the exit code of the program."""
 from __future__ import annotations
 
+import contextlib
 import difflib
 import importlib
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 EXIT_DIFFERENT = 1       # a comparison or a study found a difference
@@ -92,6 +93,26 @@ def reason_of(said: str, code: int) -> str:
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     errors = [line for line in lines if "error" in line.lower()]
     return (errors or lines[-1:] or [f"exit code {code}"])[0][:200]
+
+
+# What the libraries raise while they read damaged files.
+DAMAGE = (ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, OSError, RuntimeError,
+          StopIteration, TypeError, ValueError)
+
+
+@contextlib.contextmanager
+def reading(path: object) -> Iterator[None]:
+    """While a file is read, an error of a library means that the file is damaged; all errors name the file."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except ScreeError as error:
+        if str(path) in str(error):
+            raise
+        raise type(error)(f"{path}: {error}", error.code) from error
+    except DAMAGE as error:
+        raise FileProblem(f"cannot read {path}: damaged or truncated") from error
 
 
 def modules(*names: str) -> list[Any]:

@@ -6,14 +6,15 @@ a file is read.
 """
 from __future__ import annotations
 
+import contextlib
 import csv
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from . import units as units_of
-from .errors import EXIT_FILE, FileProblem, decoded, modules, readable, unknown
+from .errors import DAMAGE, EXIT_FILE, FileProblem, decoded, modules, readable, reading, unknown
 
 if TYPE_CHECKING:
     from .arrays import Array
@@ -22,6 +23,7 @@ Moment = tuple[float, str]                               # time [s] and file of 
 
 
 
+IMPLAUSIBLE = 1.0e100    # no run has times and positions of this size
 UNTITLED = "untitled"    # title of a deck that gives none
 DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d", "2d")
 
@@ -73,12 +75,14 @@ def series(path: str, own_units: bool = False) -> list[Moment]:
     try:
         with open(path, encoding="utf-8") as handle:
             entries = units_of.times_in(handle.read())
-    except (ValueError, KeyError, TypeError) as error:
+    except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
         raise FileProblem(
             f"{path} is not a snapshot series: {type(error).__name__}: {error}"
         ) from error
     except OSError as error:
         raise FileProblem(f"cannot read {path}: {error.strerror}") from error
+    if not all(isinstance(name, str) and abs(time) < IMPLAUSIBLE for time, name in entries):
+        raise FileProblem(f"{path} is not a snapshot series: it lists no names of files with times")
     folder = os.path.dirname(os.path.abspath(path))
     frames = sorted((time, os.path.join(folder, name)) for time, name in entries)
     if not frames:
@@ -157,31 +161,37 @@ class Snapshot:
         return [self.fields[name] for name in names]
 
 
-def open_file(path: str) -> Any:
-    """A file of particles or of the grid, opened for reading."""
+@contextlib.contextmanager
+def open_file(path: str) -> Iterator[Any]:
+    """A file of particles or of the grid, opened for reading; damage found while it is open is a FileProblem."""
     (h5py,) = modules("h5py")
+    readable(path)
     try:
-        return h5py.File(readable(path), "r")
-    except OSError as error:
+        handle = h5py.File(path, "r")
+    except DAMAGE as error:
         reason = (
             "still being written" if "unable to lock" in str(error) else "not HDF5, or truncated"
         )
         raise FileProblem(f"cannot open {path}: {reason}") from error
+    with reading(path), handle:
+        yield handle
 
 
-def open_snapshot(path: str) -> Any:
+@contextlib.contextmanager
+def open_snapshot(path: str) -> Iterator[Any]:
     """A file of particles, opened for reading."""
-    handle = open_file(path)
-    if "VTKHDF/Points" not in handle:
-        handle.close()
-        raise FileProblem(f"{path} is not a particle snapshot: it has no /VTKHDF/Points")
-    return handle
+    with open_file(path) as handle:
+        if "VTKHDF/Points" not in handle:
+            raise FileProblem(f"{path} is not a particle snapshot: it has no /VTKHDF/Points")
+        yield handle
 
 
 def _time(handle: Any, path: str, own_units: bool = False) -> float:
     time = units_of.raw_time(handle) if own_units else units_of.time_si(handle)
     if time is None:
         raise FileProblem(f"{path} has no /VTKHDF/FieldData/TimeValue")
+    if not abs(time) < IMPLAUSIBLE:
+        raise FileProblem(f"cannot read {path}: damaged: its time is {time:g}")
     return time
 
 
@@ -224,6 +234,15 @@ def header(handle: Any, file: str, own_units: bool = False) -> Snapshot:
     return snap
 
 
+def coordinates(points: Array, file: str) -> Array:
+    """Positions of particles (n, 3), refused if they cannot be those of a run."""
+    (np,) = modules("numpy")
+    points = points.astype("f8")
+    if points.ndim != 2 or points.shape[1] != 3 or not (np.abs(points) < IMPLAUSIBLE).all():
+        raise FileProblem(f"cannot read {file}: damaged: its particles have no positions")
+    return points
+
+
 def snapshot(file: str, names: Any = None, own_units: bool = False) -> Snapshot:
     """Read a snapshot: points, fields (all, or those named), units, bodies, provenance.
 
@@ -234,32 +253,25 @@ def snapshot(file: str, names: Any = None, own_units: bool = False) -> Snapshot:
         return values
 
     with open_snapshot(file) as handle:
-        try:
-            snap = header(handle, file, own_units)
-            snap.points = numbers(handle["VTKHDF/Points"]).astype("f8")
-            data = handle.get("VTKHDF/PointData", {})
-            for name in data:
-                if names is None or name in names:
-                    snap.fields[name] = numbers(data[name])
-                    snap.units[name] = units_of.data_unit(data[name])
-        except OSError as error:
-            raise FileProblem(f"cannot read {file}: damaged or truncated") from error
-    wrong = [name for name, values in snap.fields.items() if len(values) != len(snap.points)]
-    if wrong:
-        raise FileProblem(f"{file}: field {wrong[0]} has {len(snap.fields[wrong[0]])} rows "
-                          f"for {len(snap.points)} particles")
+        snap = header(handle, file, own_units)
+        snap.points = coordinates(numbers(handle["VTKHDF/Points"]), file)
+        data = handle.get("VTKHDF/PointData", {})
+        for name in data:
+            if names is None or name in names:
+                snap.fields[name] = numbers(data[name])
+                snap.units[name] = units_of.data_unit(data[name])
+        wrong = [name for name, values in snap.fields.items() if len(values) != len(snap.points)]
+        if wrong:
+            raise FileProblem(f"{file}: field {wrong[0]} has {len(snap.fields[wrong[0]])} rows "
+                              f"for {len(snap.points)} particles")
     return snap
 
 
 def is_grid(file: str) -> bool:
     """True for a file of fields on the grid."""
-    (h5py,) = modules("h5py")
-    try:
-        with h5py.File(readable(file), "r") as handle:
-            kind = handle["VTKHDF"].attrs.get("Type", b"") if "VTKHDF" in handle else b""
-    except OSError as error:
-        raise FileProblem(f"cannot open {file}: not HDF5, or truncated") from error
-    return bool((kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData")
+    with open_file(file) as handle:
+        kind = handle["VTKHDF"].attrs.get("Type", b"") if "VTKHDF" in handle else b""
+        return bool((kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData")
 
 
 class History(dict[str, "Array"]):
@@ -271,20 +283,23 @@ class History(dict[str, "Array"]):
         self.order: list[str] = []
 
 
-def history(file: str) -> History:
+def history(file: str, may_be_empty: bool = False) -> History:
     """Read CASE_history.csv or another table of a run, in SI.
 
-    An incomplete last line, which is still being written, is ignored.
+    An incomplete last line, which is still being written, is ignored. A table without rows, or without its first line,
+    is that of a run that has just begun, or was killed then.
     """
     (numpy,) = modules("numpy")
     try:
         with open(readable(file), newline="", encoding="utf-8") as handle:
             rows = [row for row in csv.reader(handle) if row and not row[0].startswith("#")]
-    except (UnicodeDecodeError, csv.Error) as error:
+    except (ValueError, csv.Error) as error:
         raise FileProblem(
             f"{file} is not a history: not a text file of comma separated values"
         ) from error
     if not rows or not any(cell.strip().startswith("time") for cell in rows[0]):
+        if may_be_empty and len(rows) < 2:
+            return History()
         raise FileProblem(f"{file} is not a history: its first line names no column 'time [s]'")
     head, body = rows[0], rows[1:]
     if body and len(body[-1]) != len(head):
@@ -294,7 +309,9 @@ def history(file: str) -> History:
     except ValueError as error:
         raise FileProblem(f"{file}: {error}") from error
     if values.ndim != 2 or values.shape[1] != len(head):
-        raise FileProblem(f"{file} holds no complete line below its header")
+        if len(values) > 0 or not may_be_empty:
+            raise FileProblem(f"{file} holds no complete line below its header")
+        values = values.reshape(0, len(head))
     table = History()
     for column, title in enumerate(head):
         name, _, unit = title.strip().partition("[")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import files
-from .errors import FileProblem, decoded, nearest, readable
+from .errors import FileProblem, decoded, nearest, readable, reading
 from .snapshot import Snapshots
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def read_table(path: str | os.PathLike[str]) -> pandas.DataFrame:
     Columns are named without units; `attrs["units"]` holds the unit of each.
     """
     import pandas
-    table = files.history(str(path))
+    table = files.history(str(path), may_be_empty=True)
     frame = pandas.DataFrame({name: table[name] for name in table.order})
     frame.attrs["units"] = dict(table.units)
     return frame
@@ -91,7 +91,9 @@ class Run:
     def deck(self) -> Any:
         """The deck with all keys and their values, in SI, as a namelist of f90nml. Repeated groups are lists."""
         import f90nml
-        return f90nml.reads(text_of(self.path(".echo.nml")))
+        path = self.path(".echo.nml")
+        with reading(path):
+            return f90nml.reads(text_of(path))
 
     @cached_property
     def summary(self) -> dict[str, Any]:
@@ -99,7 +101,7 @@ class Run:
         path = self.path(".summary.json")
         try:
             found = json.loads(text_of(path))
-        except ValueError as error:
+        except (RecursionError, ValueError) as error:
             raise FileProblem(f"cannot read {path}: {error}") from error
         if not isinstance(found, dict):
             raise FileProblem(f"{path} is not a summary")
@@ -108,7 +110,8 @@ class Run:
     @property
     def exit_code(self) -> int:
         """Exit code of the run: 0 if it finished."""
-        return int(self.summary["exit_code"])
+        with reading(self.path(".summary.json")):
+            return int(self.summary["exit_code"])
 
     @property
     def log(self) -> str:
@@ -134,6 +137,7 @@ class Run:
     def history_name(self) -> str | None:
         """Name of the first history in `tables`, None if the run wrote none."""
         listed = self.summary.get("files", {}) if self.path(".summary.json").exists() else {}
+        listed = listed if isinstance(listed, dict) else {}
         # older versions listed all tables as history_N: the name of the file tells the kind
         files = [str(file) for file in listed.values()] or [f"{self.case}_history.csv"]
         names = [file[len(self.case) + 1:-len(".csv")] for file in files if file.endswith("_history.csv")]

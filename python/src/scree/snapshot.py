@@ -11,7 +11,7 @@ import numpy as np
 from . import files
 from . import units as units_of
 from .drawing.shape import widths
-from .errors import FileProblem, nearest
+from .errors import FileProblem, nearest, reading
 
 if TYPE_CHECKING:
     import pandas
@@ -63,14 +63,11 @@ class Snapshot:
         self.file = str(file)
         self._read: dict[str, NDArray[Any]] = {}
         with files.open_snapshot(self.file) as handle:
-            try:
-                self._header = files.header(handle, self.file)
-                data = handle.get("VTKHDF/PointData", {})
-                self.units = {name: units_of.data_unit(data[name]) for name in data}
-                self._widths = {name: int(data[name].shape[1]) for name in data if len(data[name].shape) > 1}
-                self._count = int(handle["VTKHDF/Points"].shape[0])
-            except OSError as error:
-                raise FileProblem(f"cannot read {file}: damaged or truncated") from error
+            self._header = files.header(handle, self.file)
+            data = handle.get("VTKHDF/PointData", {})
+            self.units = {name: units_of.data_unit(data[name]) for name in data}
+            self._widths = {name: int(data[name].shape[1]) for name in data if len(data[name].shape) > 1}
+            self._count = int(handle["VTKHDF/Points"].shape[0])
 
     def __repr__(self) -> str:
         return f"<scree.Snapshot of {len(self)} particles at {self.time:g} s: {', '.join(self.names)}>"
@@ -117,7 +114,8 @@ class Snapshot:
     def deck(self) -> Any:
         """The deck with all keys and their values, in SI, as a namelist of f90nml."""
         import f90nml
-        return f90nml.reads(self._header.echo)
+        with reading(self.file):
+            return f90nml.reads(self._header.echo)
 
     def body(self, name: str) -> NDArray[np.bool_]:
         """Mask of the particles of a body."""
@@ -154,12 +152,11 @@ class Snapshot:
         if name not in self._read:
             place = "VTKHDF/Points" if name == "Points" else f"VTKHDF/PointData/{name}"
             with files.open_snapshot(self.file) as handle:
-                try:
-                    values = np.asarray(units_of.data_si(handle[place]))
-                except (OSError, KeyError) as error:
-                    raise FileProblem(f"cannot read {self.file}: damaged or truncated") from error
-            if len(values) != len(self):
-                raise FileProblem(f"{self.file}: field {name} has {len(values)} rows for {len(self)} particles")
+                values = np.asarray(units_of.data_si(handle[place]))
+                if name == "Points":
+                    values = files.coordinates(values, self.file)
+                if len(values) != len(self):
+                    raise FileProblem(f"{self.file}: field {name} has {len(values)} rows for {len(self)} particles")
             self._read[name] = values
         return self._read[name]
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import files
 from .. import units as units_of
-from ..errors import ScreeError, modules
 from ..files import text
 from .box import mirror_plane
 from .shape import mirror_faces
@@ -69,27 +69,23 @@ def walls_file(snap: Snapshot) -> str:
 
 def read_walls(path: str) -> list[Wall]:
     """All walls of a file."""
-    (h5py,) = modules("h5py")
-    try:
-        with h5py.File(path, "r") as handle:
-            group, table = handle["VTKHDF"], handle["walls"]
-            points = units_of.data_si(group["Points"]).astype("f8")
-            offsets, owner = group["Offsets"][...], group["CellData/wall"][...]
-            begin, end = (units_of.data_si(table[name]) for name in ("begin", "end"))
-            walls = [Wall(str(text(name)), str(text(kind)), int(face), float(first), float(last))
-                     for name, kind, face, first, last in zip(
-                         table["name"][...].tolist(), table["type"][...].tolist(),
-                         table["face"][...], begin, end)]
-            for cell, number in enumerate(owner):
-                walls[number - 1].cells.append(points[offsets[cell]:offsets[cell + 1]])
-            if "time" in table:
-                times = units_of.data_si(table["time"])
-                shifts = units_of.data_si(table["shift"]).reshape(len(times), len(walls), 3)
-                for number, wall in enumerate(walls):
-                    if wall.face == 0:
-                        wall.times, wall.shifts = times, shifts[:, number]
-    except (OSError, KeyError, IndexError, ValueError) as error:
-        raise ScreeError(f"cannot read {path}: damaged, or no file of walls") from error
+    with files.open_file(path) as handle:
+        group, table = handle["VTKHDF"], handle["walls"]
+        points = units_of.data_si(group["Points"]).astype("f8")
+        offsets, owner = group["Offsets"][...], group["CellData/wall"][...]
+        begin, end = (units_of.data_si(table[name]) for name in ("begin", "end"))
+        walls = [Wall(str(text(name)), str(text(kind)), int(face), float(first), float(last))
+                 for name, kind, face, first, last in zip(
+                     table["name"][...].tolist(), table["type"][...].tolist(),
+                     table["face"][...], begin, end)]
+        for cell, number in enumerate(owner):
+            walls[number - 1].cells.append(points[offsets[cell]:offsets[cell + 1]])
+        if "time" in table:
+            times = units_of.data_si(table["time"])
+            shifts = units_of.data_si(table["shift"]).reshape(len(times), len(walls), 3)
+            for number, wall in enumerate(walls):
+                if wall.face == 0:
+                    wall.times, wall.shifts = times, shifts[:, number]
     return walls
 
 

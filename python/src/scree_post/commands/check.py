@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from scree.errors import EXIT_DIFFERENT, modules
-from scree.files import is_grid, series, series_file, snapshot
+from scree.files import is_grid, open_file, series, series_file, snapshot
 
 if TYPE_CHECKING:
     from scree.arrays import Array
@@ -103,9 +103,9 @@ def compare(report: Report, label: str, wanted: Summary, found: Summary, cells: 
 
 def check_structure(report: Report, file: str, snap: Snapshot) -> None:
     """Check the layout of a file apart from its numbers: attributes, topology, units, names."""
-    (h5py, np) = modules("h5py", "numpy")
+    (np,) = modules("numpy")
     name = os.path.basename(file)
-    with h5py.File(file, "r") as handle:
+    with open_file(file) as handle:
         group = handle["VTKHDF"]
         kind = group.attrs.get("Type", b"")
         kind = kind.encode() if isinstance(kind, str) else bytes(kind)
@@ -164,9 +164,9 @@ def merged(vtk: Any, data: Any) -> Any:
 
 def check_grid(report: Report, vtk: Any, file: str, time: float) -> None:
     """One file of fields on the grid: extents, edges, and the mean of each field."""
-    (h5py, np, support) = modules("h5py", "numpy", "vtkmodules.util.numpy_support")
+    (np, support) = modules("numpy", "vtkmodules.util.numpy_support")
     name = os.path.basename(file)
-    with h5py.File(file, "r") as handle:
+    with open_file(file) as handle:
         group = handle["VTKHDF"]
         extent = [int(number) for number in group.attrs["WholeExtent"]]
         origin, spacing = group.attrs["Origin"][...], group.attrs["Spacing"][...]

@@ -16,8 +16,8 @@ import numpy as np
 
 from scree import units as units_of
 from scree.drawing.quantity import quantity
-from scree.errors import EXIT_USAGE, ScreeError, decoded, modules, readable
-from scree.files import history, is_grid, series, snapshot, text
+from scree.errors import EXIT_USAGE, ScreeError, decoded, readable
+from scree.files import history, is_grid, open_file, series, snapshot, text
 
 from ..progress import Progress
 
@@ -130,8 +130,7 @@ def describe_series(path: str, arguments: argparse.Namespace) -> None:
 
 def describe_checkpoint(path: str) -> None:
     """State, fields and ranges of a checkpoint."""
-    (h5py,) = modules("h5py")
-    with h5py.File(path, "r") as handle:
+    with open_file(path) as handle:
         print(f"{path}: checkpoint")
         for name in ("case", "version", "step", "time"):
             if name in handle.attrs:
@@ -147,9 +146,12 @@ def describe_checkpoint(path: str) -> None:
 
 def describe_history(path: str) -> None:
     """Lines and ranges of the columns."""
-    table = history(path)
+    table = history(path, may_be_empty=True)
     kind = "history" if path.endswith("_history.csv") else "table"
-    print(f"{path}: {kind} of {len(table['time'])} lines")
+    lines = len(table["time"]) if table else 0
+    print(f"{path}: {kind} of {lines} lines")
+    if lines == 0:
+        return
     width = max(len(name) for name in table.order)
     print(f"{'column':<{width}}  {'unit':<9} {'first':>13} {'last':>13} {'least':>13} "
           f"{'greatest':>13}")
@@ -166,7 +168,6 @@ def describe_history(path: str) -> None:
 
 def describe_grids(path: str, arguments: argparse.Namespace) -> None:
     """Times of a series of grids, and ranges of one of them or of a single file."""
-    (h5py,) = modules("h5py")
     if path.endswith(".series"):
         frames = series(path)
         times = np.array([time for time, _ in frames])
@@ -175,7 +176,7 @@ def describe_grids(path: str, arguments: argparse.Namespace) -> None:
         path = frames[nearest(times, arguments.time)][1]
     else:
         print(f"{path}: grid")
-    with h5py.File(path, "r") as handle:
+    with open_file(path) as handle:
         group, record = handle["VTKHDF"], handle["provenance"].attrs
         for name in (*ORIGIN, "step"):
             line(name, text(record[name]) if name in record else "")
@@ -201,28 +202,24 @@ def kind_of(path: str) -> str:
         return "series"
     if path.endswith(".csv"):
         return "history"
-    (h5py,) = modules("h5py")
     try:
-        with h5py.File(readable(path), "r") as handle:
+        with open_file(path) as handle:
             if "particles" in handle and "state" in handle:
                 return "checkpoint"
-            if is_grid(path):
-                return "grid"
-            return "snapshot"
-    except OSError as error:
+    except ScreeError as error:
         raise ScreeError(f"cannot open {path}: neither series, history, snapshot nor checkpoint, or "
                         "truncated") from error
+    return "grid" if is_grid(path) else "snapshot"
 
 
 def deck_of(path: str) -> str:
     """The deck in a file."""
-    (h5py,) = modules("h5py")
     kind = kind_of(path)
     if kind == "series":
         path, kind = series(path)[-1][1], "snapshot"
     if kind == "history":
         raise ScreeError(f"{path}: a history contains no deck; use a snapshot", EXIT_USAGE)
-    with h5py.File(path, "r") as handle:
+    with open_file(path) as handle:
         name = "deck" if kind == "checkpoint" else "provenance/deck"
         if name not in handle:
             raise ScreeError(f"{path} contains no deck")

@@ -19,7 +19,7 @@ import numpy as np
 
 from scree.drawing.quantity import quantity
 from scree.errors import EXIT_USAGE, ScreeError, readable
-from scree.files import history, is_grid, series
+from scree.files import history, is_grid, open_file, series
 from scree.quantities import NUMBERED
 
 from ..grains.statistics import drift, drifts, mean_error
@@ -91,18 +91,17 @@ def box_of(handle: Any) -> tuple[Array, Array]:
 
 def of_grids(arguments: argparse.Namespace, frames: Sequence[Moment]) -> int:
     """Mean and error of each field in each cell; a cell without material counts as 0."""
-    import h5py
     frames = [(time, path) for time, path in frames if arguments.begin <= time <= arguments.end]
     if len(frames) < FEWEST:
         raise ScreeError(f"{arguments.source}: {len(frames)} grids between the times, a mean needs {FEWEST}")
     boxes = []
     for _, path in frames:
-        with h5py.File(path) as handle:
+        with open_file(path) as handle:
             boxes.append(box_of(handle))
     low = np.min([first for first, _ in boxes], axis=0)
     high = np.max([first + 2 * (shape[::-1] - 1) for first, shape in boxes], axis=0)
     shape = ((high - low) // 2 + 1)[::-1]
-    with h5py.File(frames[-1][1]) as handle:
+    with open_file(frames[-1][1]) as handle:
         fields = {name: data.shape[3:] for name, data in handle["VTKHDF/PointData"].items()}
         head = dict(handle["VTKHDF"].attrs)
     stack = {name: np.zeros((len(frames), *shape, *more), dtype="f4") for name, more in fields.items()}
@@ -110,7 +109,7 @@ def of_grids(arguments: argparse.Namespace, frames: Sequence[Moment]) -> int:
         for row, ((_, path), (first, size)) in enumerate(zip(frames, boxes)):
             start = ((first - low) // 2)[::-1]
             place: tuple[Any, ...] = tuple(slice(a, a + n) for a, n in zip(start, size))
-            with h5py.File(path) as handle:
+            with open_file(path) as handle:
                 for name in fields:
                     stack[name][(row, *place)] = handle["VTKHDF/PointData"][name][...]
             progress.step()
