@@ -15,21 +15,20 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import re
 import tempfile
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from .drawing.quantity import quantity as number_with_unit
-from .errors import EXIT_USAGE, ScreeError, nearest
+from .errors import EXIT_USAGE, FileProblem, ScreeError, nearest
 from .launch import run as run_deck
 from .results import SERIES, Run
 from .snapshot import AXES, Snapshot
 from .units import summary_unit
 
 if TYPE_CHECKING:
-    import os
-
     import numpy as np
     import pandas
     from numpy.typing import NDArray
@@ -118,13 +117,17 @@ def time_of(how: str) -> float:
 
 
 def check_quantities(deck: str | os.PathLike[str], quantities: Iterable[str], settings: Mapping[str, Any],
-                     body: str | None = None, **options: Any) -> None:
+                     base: str | os.PathLike[str], body: str | None = None, **options: Any) -> None:
     """Raise an error for quantities that runs of a deck would not have, before the first of them: a run without a step
-    shows the tables, the columns and the numbers."""
+    shows the tables, the columns and the numbers. Its files are for a moment in the folder `base` of the study."""
     chosen = list(quantities)
     if not chosen:
         return
-    with tempfile.TemporaryDirectory(prefix="scree_") as folder:
+    try:
+        os.makedirs(base, exist_ok=True)
+    except OSError as error:
+        raise FileProblem(f"cannot make {os.fspath(base)}: {error.strerror}") from error
+    with tempfile.TemporaryDirectory(prefix="names_", dir=base) as folder:
         run = run_deck(deck, {**settings, "time.max_steps": 0, "checkpoint.at_end": False}, outdir=folder,
                        progress=False, **{key: value for key, value in options.items() if key != "_children"})
         for quantity in chosen:

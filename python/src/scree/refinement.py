@@ -151,7 +151,7 @@ def accuracy(deck: str | os.PathLike[str], quantities: str | Measure | Sequence[
         except DeckError as error:
             raise DeckError(f"with cells of {grid.size(parts):.4g} m {error}", error.code, error.messages) from error
     check_quantities(path, [name for name in chosen if isinstance(name, str)], {**settings, **grid.setting(every[0])},
-                     body, program=found, **options)
+                     base, body, program=found, **options)
 
     def one(parts: int) -> tuple[dict[str, Any], dict[str, str], Run]:
         name = f"accuracy_{label or 'deck'}_{parts}"

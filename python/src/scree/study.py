@@ -200,8 +200,8 @@ class Study:
         """Raise an error for names of quantities that the first run would not have, before it starts."""
         if runs and names:
             with contextlib.suppress(DeckError, PhysicsError, FileProblem):      # each run reports its own
-                check_quantities(self.deck, names, {**self.common, **runs[0].settings}, program=self.program,
-                                 **self.options)
+                check_quantities(self.deck, names, {**self.common, **runs[0].settings},
+                                 os.path.dirname(runs[0].folder), program=self.program, **self.options)
 
     def stop(self) -> None:
         """Stop all runs with a checkpoint."""
