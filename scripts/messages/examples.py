@@ -69,7 +69,7 @@ GRAINS = """&run dimension = '3d' /
 """
 FINE_GRID = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 1 1 1  dx = 0.0009765625 /
-&time t_end = 1e-9 /
+&time t_end = 1e-6 /
 &material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
 &region name = 'ball'  shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.005 /
 &region name = 'near'  shape = 'box'  lo = 0.4 0.4 0.4  hi = 0.6 0.6 0.6 /

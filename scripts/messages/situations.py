@@ -23,7 +23,7 @@ BAR = """&run dimension = '1d' /
 &body name = 'one'  region = 'bar'  material = 'metal'  velocity = 1 0 0 /
 """
 STATES_DECK = BAR.replace("young = 70e9  poisson = 0.3", "eos_model = 'table'  eos_table = 'states.txt'").replace(
-    "density = 2700", "density = 1500  elastic = 'none'")
+    "density = 2700", "density = 1500  elastic = 'none'").replace("t_end = 1e-4", "t_end = 1e-3")
 STATES = """# density temperature pressure energy
 1000  250  7.175e7  1.79375e5
 1000  600  1.722e8  4.305e5
@@ -136,14 +136,14 @@ TURNING = """&run dimension = 'plane_strain' /
 """
 PUSHED = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
-&time t_end = 1e-5 /
+&time t_end = 1e-4 /
 &material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
 &region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2 /
 &region name = 'ram'   shape = 'box'  lo = 0 0 0.8  hi = 1 1 1 /
 &body name = 'one'  region = 'ball'  material = 'metal' /
 &boundary region = 'ram'  type = 'slip'  table = 'ram.csv' /
 """
-RAM = "# t, vx, vy, vz\n0,    0, 0, 0\n1e-6, 0, 0, -1\n1e-5, 0, 0, -1\n"
+RAM = "# t, vx, vy, vz\n0,    0, 0, 0\n1e-6, 0, 0, -1\n1e-4, 0, 0, -1\n"
 STONE = GRAINS.replace("'grains'", "'stone'").replace("shape = 'points'  file = 'grains.csv'",
                                                       "shape = 'stl'  file = 'stone.stl'").replace(
     "  packing = 'file'", "")

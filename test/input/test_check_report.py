@@ -169,6 +169,16 @@ def test_no_false_alarm_for_examples(options, sheet):
         sheet.require(not re.findall(r"\[D5(?:0\d|11)\]", said), f"{deck.relative_to(case.ROOT)}: {said[:400]}")
 
 
+def test_nested_regions(options):
+    """Would catch regions that double their shapes at each level, which take all memory and time: 2^30 of them."""
+    deck = PLAIN.format(units="", t_end="1e-3", material=ELASTIC, body="", more="")
+    levels = [f"&region name = 's{n + 1}'  shape = 'union'  of = 's{n}' 's{n}' /\n" for n in range(30)]
+    deck += "&region name = 's0'  shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.2 /\n" + "".join(levels)
+    said = case.Case(options, "nested", deck).run("--check", "--no-estimate", expect=2, timeout=30).output
+    assert said.count("[D451]") == 1
+    assert "more than 200000 simple shapes" in said
+
+
 BLOCK = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 1 1 1  dx = {dx} /
 &time t_end = 1  max_steps = 1 /
