@@ -24,8 +24,8 @@ module io_hdf5
       h5pset_small_data_block_size_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, h5tclose_f, h5tcopy_f, &
       h5tset_size_f, hid_t, hsize_t, size_t
-   use io_file, only: divert_file, folder_of, remove_file, rename_file, reserve_file, sync_file, &
-      sync_folder, truncate_file
+   use io_file, only: divert_file, folder_of, output_file_t, remove_file, rename_file, &
+      reserve_file, sync_file, sync_folder, truncate_file
    use io_hdf5_ranks, only: open_on_all_ranks
    use io_libc, only: c_dlsym, clear_failure, failure_number, failure_text
    use io_seal, only: write_seal
@@ -36,6 +36,7 @@ module io_hdf5
 
    public :: hdf5_file_t, leave_library, start_library, text_type
 
+   integer, parameter :: trial_bytes = 65536             !! Written to find the reason of a failure
    integer(c_int), parameter :: never_again = 3          !! H5F_FSPACE_STRATEGY_NONE
 
    interface
@@ -246,6 +247,7 @@ contains
       if (status < 0 .or. self%status < 0) then
          message = "cannot "//action//" '"//self%path//"'"
          if (len(object) > 0) message = message//" at '"//object//"'"
+         if (failure_number() == 0_c_int) call try_to_write(part_of(self))
          if (failure_number() /= 0_c_int) then
             message = message//": "//failure_text()
          else
@@ -256,6 +258,19 @@ contains
       call agree(self%communicator, error)
       if (allocated(error) .and. self%works()) call move_alloc(error, self%problem)
    end subroutine hdf5_share_status
+
+   !> Write to the end of a file that is given up: MPI does not return the error number.
+   subroutine try_to_write(path)
+      character(len=*), intent(in) :: path                !! Incomplete file
+      type(output_file_t) :: file
+      type(error_t), allocatable :: error
+
+      call file%append(path, error)
+      if (.not. allocated(error)) call file%write(repeat(" ", trial_bytes), error)
+      if (.not. allocated(error)) call file%sync(error)
+      if (.not. allocated(error)) call clear_failure()
+      call file%close()
+   end subroutine try_to_write
 
    !> Create a group. Collective.
    subroutine hdf5_group(self, name)
