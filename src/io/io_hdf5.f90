@@ -194,23 +194,22 @@ contains
          if (allocated(error)) call move_alloc(error, self%problem)
       end if
       bytes = 0
-      if (self%works()) then
+      if (self%works() .and. self%communicator%size == 1) then
          call h5fget_filesize_f(self%id, bytes, status)
          call self%share_status("complete", "", status)
       end if
       if (self%id >= 0) then
          ! closing a file may write to it once more, which must not fail; after a failed flush the
-         ! file can never be closed
-         call divert_file(part_of(self))
+         ! file can never be closed; the file of several ranks gets its length when it is closed
+         if (.not. self%works() .or. self%communicator%size == 1) call divert_file(part_of(self))
          call self%communicator%barrier()
          if (.not. stuck) call h5fclose_f(self%id, status)
          self%id = -1
          if (self%works()) call self%share_status("close", "", status)
       end if
-      if (self%works()) then
+      if (self%works() .and. self%communicator%size == 1) then
          ! reserved space may be left
-         if (self%communicator%rank == 0) call truncate_file(part_of(self), bytes, error)
-         call agree_plainly(self%communicator, error)
+         call truncate_file(part_of(self), bytes, error)
          if (allocated(error)) call move_alloc(error, self%problem)
       end if
       if (self%works() .and. allocated(self%seal)) then
