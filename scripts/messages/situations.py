@@ -557,6 +557,12 @@ SITUATIONS = {
         "before": [*SNAPSHOT, "mv first.hdf whole.hdf", "head -c 999 whole.hdf > first.hdf"],
         "text": "The points are read from a snapshot that was copied incompletely:",
         "shows": FURTHER.split("\n")[4], "commands": [CHECK]},
+    "F125": {
+        "files": {"scene.nml": SERIES}, "before": [
+            RUN, "cp out/scene/scene_history.csv whole.csv", "head -c 900 whole.csv > out/scene/scene_history.csv"],
+        "text": "A table has lost its last rows:", "commands": [AGAIN],
+        "then": ["cp whole.csv out/scene/scene_history.csv", AGAIN],
+        "see": ["../guide/running.md#checkpoints-and-restart"]},
     "C112": {"files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set"],
              "then": ["scree --check scene.nml --set grid.dx=0.05"]},
     "C113": {"files": {"scene.nml": BAR}, "commands": ["scree --job slurm --ranks 0 scene.nml"],

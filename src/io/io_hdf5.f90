@@ -17,15 +17,14 @@ module io_hdf5
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dont_atexit_f, h5eset_auto_f, &
       h5f_acc_trunc_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_obj_all_f, h5f_obj_file_f, &
-      h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fget_filesize_f, &
-      h5fget_obj_count_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, &
-      h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, h5p_file_create_f, h5pclose_f, &
-      h5pcreate_f, h5pset_libver_bounds_f, h5pset_meta_block_size_f, &
-      h5pset_small_data_block_size_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+      h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fget_obj_count_f, h5gclose_f, &
+      h5gcreate_f, h5iis_valid_f, h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, &
+      h5p_file_create_f, h5pclose_f, h5pcreate_f, h5pset_libver_bounds_f, h5s_scalar_f, &
+      h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, h5tclose_f, h5tcopy_f, &
       h5tset_size_f, hid_t, hsize_t, size_t
-   use io_file, only: divert_file, folder_of, remove_file, rename_file, reserve_file, sync_file, &
-      sync_folder, truncate_file
+   use io_file, only: divert_file, folder_of, output_file_t, remove_file, rename_file, &
+      reserve_file, sync_file, sync_folder
    use io_hdf5_ranks, only: open_on_all_ranks
    use io_libc, only: c_dlsym, clear_failure, failure_number, failure_text
    use io_seal, only: write_seal
@@ -36,6 +35,7 @@ module io_hdf5
 
    public :: hdf5_file_t, leave_library, start_library, text_type
 
+   integer, parameter :: trial_bytes = 65536             !! Written to find the reason of a failure
    integer(c_int), parameter :: never_again = 3          !! H5F_FSPACE_STRATEGY_NONE
 
    interface
@@ -133,9 +133,6 @@ contains
       ! HDF5 2 by default writes groups that older versions do not read, with positions that differ
       ! between one rank and several
       call h5pset_libver_bounds_f(access_list, h5f_libver_earliest_f, h5f_libver_latest_f, status)
-      ! without blocks of space for later objects, nothing is written after the last flush
-      call h5pset_meta_block_size_f(access_list, 0_hsize_t, status)
-      call h5pset_small_data_block_size_f(access_list, 0_hsize_t, status)
       call h5pcreate_f(h5p_file_create_f, plan, status)
       ! if HDF5 reused free space, the position of a moved chunk would depend on the ranks
       status = c_file_space_strategy(plan, never_again, .false._c_bool, 1_hsize_t)
@@ -144,8 +141,8 @@ contains
       call self%share_status("create", "", status)
       call h5pclose_f(access_list, status)
       call h5pclose_f(plan, status)
-      if (self%works()) then
-         ! this is a new or truncated file, so space is reserved again
+      if (self%works() .and. communicator%size > 1) then
+         ! this is a new file, so space is reserved again
          if (communicator%rank == 0) call reserve_file(part_of(self), bytes, error)
          call agree_plainly(communicator, error)
          if (allocated(error)) self%problem = error
@@ -176,7 +173,6 @@ contains
    subroutine hdf5_finish(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error    !! Not written; no file remains
-      integer(hsize_t) :: bytes
       integer :: status
       logical :: stuck
 
@@ -186,32 +182,15 @@ contains
          call self%share_status("complete", "", status)
          stuck = .not. self%works()
       end if
-      if (self%works()) then
-         ! errors of a disk that writes later must be known before the file is closed
-         if (self%communicator%rank == 0) call sync_file(part_of(self), error)
-         call agree_plainly(self%communicator, error)
-         if (allocated(error)) call move_alloc(error, self%problem)
-      end if
-      bytes = 0
-      if (self%works()) then
-         call h5fget_filesize_f(self%id, bytes, status)
-         call self%share_status("complete", "", status)
-      end if
-      if (self%id >= 0) then
-         ! closing a file may write to it once more, which must not fail; after a failed flush the
-         ! file can never be closed
+      if (.not. self%works()) then
+         ! the library writes once more before it closes a file, which must not fail; after a failed
+         ! flush it can never close it
          call divert_file(part_of(self))
          call self%communicator%barrier()
-         if (.not. stuck) call h5fclose_f(self%id, status)
-         self%id = -1
-         if (self%works()) call self%share_status("close", "", status)
       end if
-      if (self%works()) then
-         ! reserved space may be left
-         if (self%communicator%rank == 0) call truncate_file(part_of(self), bytes, error)
-         call agree_plainly(self%communicator, error)
-         if (allocated(error)) call move_alloc(error, self%problem)
-      end if
+      if (self%id >= 0 .and. .not. stuck) call h5fclose_f(self%id, status)
+      self%id = -1
+      if (self%works()) call self%share_status("close", "", status)
       if (self%works() .and. allocated(self%seal)) then
          call write_seal(self%communicator, part_of(self), self%seal, error)
          if (allocated(error)) call move_alloc(error, self%problem)
@@ -246,6 +225,7 @@ contains
       if (status < 0 .or. self%status < 0) then
          message = "cannot "//action//" '"//self%path//"'"
          if (len(object) > 0) message = message//" at '"//object//"'"
+         if (failure_number() == 0_c_int) call try_to_write(part_of(self))
          if (failure_number() /= 0_c_int) then
             message = message//": "//failure_text()
          else
@@ -256,6 +236,19 @@ contains
       call agree(self%communicator, error)
       if (allocated(error) .and. self%works()) call move_alloc(error, self%problem)
    end subroutine hdf5_share_status
+
+   !> Write to the end of a file that is given up: MPI does not return the error number.
+   subroutine try_to_write(path)
+      character(len=*), intent(in) :: path                !! Incomplete file
+      type(output_file_t) :: file
+      type(error_t), allocatable :: error
+
+      call file%append(path, error)
+      if (.not. allocated(error)) call file%write(repeat(" ", trial_bytes), error)
+      if (.not. allocated(error)) call file%sync(error)
+      if (.not. allocated(error)) call clear_failure()
+      call file%close()
+   end subroutine try_to_write
 
    !> Create a group. Collective.
    subroutine hdf5_group(self, name)

@@ -70,31 +70,31 @@ contains
       type(buffer_t) :: buffer
       integer(int64) :: mark(mark_size)
       integer :: n, taken
+      logical :: known
 
       lost = ""
-      n = intact_bytes(text, wanted)
-      matches = index(text, heading//new_line("a")) == 1
-      kept = text(:n)
-      if (n > 0 .and. matches) return
       mark = 0
       call add_to_mark(heading//new_line("a"), mark)
-      ! the heading of a damaged file can be another one, that of another deck cannot
-      if (wanted(lines) > 0) matches = mark(heading_hash) == wanted(heading_hash)
-      if (wanted(lines) == 0 .and. len(text) == 0) matches = .true.
-      if (.not. matches) return
+      ! of a table that had other columns at the checkpoint nothing is known
+      known = wanted(lines) > 0 .and. mark(heading_hash) == wanted(heading_hash)
+      matches = known .or. len(text) == 0 .or. index(text, heading//new_line("a")) == 1
+      n = 0
+      if (known) n = intact_bytes(text, wanted)
+      kept = text(:n)
+      if (n > 0 .or. .not. matches) return
       call find_rows(text, heading, resume_step, rows)
-      if (wanted(lines) > 0) call drop_partial_times(int(wanted(lines)) - 1, rows)
+      if (known) call drop_partial_times(int(wanted(lines)) - 1, rows)
       call buffer%line(heading)
       taken = 0
       do n = 1, size(rows)
          if (rows(n)%step < 0) cycle
          taken = taken + 1
          ! the row of the step of the checkpoint can have been written after it
-         if (wanted(lines) > 0 .and. taken >= wanted(lines)) exit
+         if (known .and. taken >= wanted(lines)) exit
          call buffer%line(text(rows(n)%first:rows(n)%last))
       end do
       kept = buffer%content()
-      if (wanted(lines) > 0) lost = loss_text(path, text, heading, rows, int(wanted(lines)) - 1)
+      if (known) lost = loss_text(path, text, heading, rows, int(wanted(lines)) - 1)
    end subroutine keep_rows
 
    !> Find the lines after the heading. Rows after a step, and such that are less than the step of a

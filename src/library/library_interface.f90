@@ -8,7 +8,6 @@ module library_interface
    use base_error, only: error_t, exit_input, exit_internal, exit_success, fail
    use base_kinds, only: int64, wp
    use base_text, only: text_t
-   use io_hdf5, only: leave_library
    use library_controls, only: control_names, get_control, set_control
    use library_fields, only: field_list, field_view_t, find_field
    use library_session, only: library_session_t
@@ -275,7 +274,6 @@ contains
    integer(c_int) function scree_end_messages() bind(c) result(code)
       type(communicator_t) :: communicator
 
-      call leave_library()
       call communicator%finish()
       code = exit_success
    end function scree_end_messages
