@@ -558,10 +558,12 @@ SITUATIONS = {
         "text": "The points are read from a snapshot that was copied incompletely:",
         "shows": FURTHER.split("\n")[4], "commands": [CHECK]},
     "F125": {
-        "files": {"scene.nml": SERIES}, "before": [
-            RUN, "cp out/scene/scene_history.csv whole.csv", "head -c 900 whole.csv > out/scene/scene_history.csv"],
-        "text": "A table has lost its last rows:", "commands": [AGAIN],
-        "then": ["cp whole.csv out/scene/scene_history.csv", AGAIN],
+        "files": {"scene.nml": BAR}, "before": [
+            RUN, "cp out/scene/scene_history.csv whole.csv", "head -c 4000 whole.csv > out/scene/scene_history.csv"],
+        "text": "A table has lost its last rows, and the run is continued:",
+        "commands": ["scree -q --restart out/scene/scene_chk_0001.h5 scene.nml --set time.t_end=2e-4"],
+        "then": ["cp whole.csv out/scene/scene_history.csv",
+                 "scree -q --restart out/scene/scene_chk_0001.h5 scene.nml --set time.t_end=2e-4"],
         "see": ["../guide/running.md#checkpoints-and-restart"]},
     "C112": {"files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set"],
              "then": ["scree --check scene.nml --set grid.dx=0.05"]},
