@@ -557,7 +557,7 @@ SITUATIONS = {
         "before": [*SNAPSHOT, "mv first.hdf whole.hdf", "head -c 999 whole.hdf > first.hdf"],
         "text": "The points are read from a snapshot that was copied incompletely:",
         "shows": FURTHER.split("\n")[4], "commands": [CHECK]},
-    "F125": {
+    "F126": {
         "files": {"scene.nml": BAR}, "before": [
             RUN, "cp out/scene/scene_history.csv whole.csv", "head -c 4000 whole.csv > out/scene/scene_history.csv"],
         "text": "A table has lost its last rows, and the run is continued:",

@@ -292,10 +292,10 @@ ORPHANS = [
      "&output: velocity_cut = 0  <- must be > 0 m/s"),
     ("plain", "t_end = 1e-4", "t_end = 1e-4 stop_value = 1", 3,
      "&time: stop_value given but stop_when = 'never' does not use it"),
-    ("plain", "t_end = 1e-5", "t_end = 1e-5 stop_when = 'above' stop_quantity = 'gauge.pressure' stop_level = 1", 3,
+    ("plain", "t_end = 1e-4", "t_end = 1e-4 stop_when = 'above' stop_quantity = 'gauge.pressure' stop_level = 1", 3,
      "&time: stop_quantity = 'gauge.pressure': this deck writes no table 'gauge' with one row for each time; there "
      "are:"),
-    ("plain", "t_end = 1e-5", "t_end = 1e-5 stop_when = 'below' stop_quantity = 'kinetik' stop_level = 1", 3,
+    ("plain", "t_end = 1e-4", "t_end = 1e-4 stop_when = 'below' stop_quantity = 'kinetik' stop_level = 1", 3,
      "&time: stop_quantity = 'kinetik': the table 'history' has no such column; there are:"),
     ("shock", "thermal = T  ", "", 3, "&effects: melting given but thermal = .false."),
     ("shock", "damage = T  ", "", 10,
