@@ -138,7 +138,7 @@ contains
       status = c_file_space_strategy(plan, never_again, .false._c_bool, 1_hsize_t)
       call h5fcreate_f(part_of(self), h5f_acc_trunc_f, self%id, status, creation_prp=plan, &
          access_prp=access_list)
-      call self%share_status("create", "", status)
+      call self%share_status("cannot create", "", status)
       call h5pclose_f(access_list, status)
       call h5pclose_f(plan, status)
       if (self%works() .and. communicator%size > 1) then
@@ -179,7 +179,7 @@ contains
       stuck = .false.
       if (self%works()) then
          call h5fflush_f(self%id, h5f_scope_global_f, status)
-         call self%share_status("complete", "", status)
+         call self%share_status("cannot complete", "", status)
          stuck = .not. self%works()
       end if
       if (.not. self%works()) then
@@ -190,7 +190,7 @@ contains
       end if
       if (self%id >= 0 .and. .not. stuck) call h5fclose_f(self%id, status)
       self%id = -1
-      if (self%works()) call self%share_status("close", "", status)
+      if (self%works()) call self%share_status("cannot close", "", status)
       if (self%works() .and. allocated(self%seal)) then
          call write_seal(self%communicator, part_of(self), self%seal, error)
          if (allocated(error)) call move_alloc(error, self%problem)
@@ -216,14 +216,14 @@ contains
    !> Make a failure of any rank, here or in earlier attributes, common to all. Collective.
    subroutine hdf5_share_status(self, action, object, status)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: action              !! As in "cannot ACTION the file"
+      character(len=*), intent(in) :: action              !! As in "cannot write", before the name
       character(len=*), intent(in) :: object              !! Object in the file, or empty
       integer, intent(in) :: status                       !! Status of the library on this rank
       type(error_t), allocatable :: error
       character(len=:), allocatable :: message
 
       if (status < 0 .or. self%status < 0) then
-         message = "cannot "//action//" '"//self%path//"'"
+         message = action//" '"//self%path//"'"
          if (len(object) > 0) message = message//" at '"//object//"'"
          if (failure_number() == 0_c_int) call try_to_write(part_of(self))
          if (failure_number() /= 0_c_int) then
@@ -260,7 +260,7 @@ contains
       if (.not. self%works()) return
       call h5gcreate_f(self%id, name, group, status)
       if (status >= 0) call h5gclose_f(group, status)
-      call self%share_status("write", name, status)
+      call self%share_status("cannot write", name, status)
    end subroutine hdf5_group
 
    !> Make a type for texts of a given length. The caller closes it.

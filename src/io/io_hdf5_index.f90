@@ -226,7 +226,7 @@ contains
       if (status >= 0) call h5dclose_f(data_set, ignored)
       call h5pclose_f(plan, ignored)
       call h5sclose_f(space, ignored)
-      call file%share_status("write", root//"/"//name, status)
+      call file%share_status("cannot write", root//"/"//name, status)
    end subroutine write_window
 
    !> HDF5 type of a data set.

@@ -112,7 +112,7 @@ contains
       call creation_plan(rows, extent, plan)
       call h5dcreate_f(file%id, name, kind, space, data_set, status, dcpl_id=plan)
       call h5pclose_f(plan, ignored)
-      call file%share_status("write", name, status)
+      call file%share_status("cannot write", name, status)
       if (file%works() .and. rows%total > 0) then
          if (rows%compress > 0 .and. file%communicator%size == 1) then
             call clear_failure()
@@ -121,7 +121,7 @@ contains
          else
             call write_ranges(file, data_set, space, rows, extent, kind, address, status)
          end if
-         call file%share_status("write", name, status)
+         call file%share_status("cannot write", name, status)
       end if
       if (data_set >= 0) call h5dclose_f(data_set, ignored)
       call h5sclose_f(space, ignored)

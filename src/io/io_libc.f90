@@ -9,9 +9,9 @@ module io_libc
    private
 
    public :: c_access, c_close, c_creat, c_dlsym, c_dup2, c_fallocate, c_fsync, c_getpid, c_kill, &
-      c_lseek, c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, &
-      c_rmdir, c_statfs, c_time, c_truncate, c_unlink, c_usleep, c_write, clear_failure, &
-      failure_number, failure_text, folder_entries
+      c_lseek, c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, c_realpath, &
+      c_rename, c_rmdir, c_statfs, c_time, c_truncate, c_unlink, c_usleep, c_write, &
+      clear_failure, failure_number, failure_text, folder_entries
 
    integer, parameter, public :: longest_name = 255              !! Longest file name
    integer, parameter :: name_offset = 19                !! Bytes before the name in a dirent

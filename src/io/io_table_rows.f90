@@ -184,13 +184,13 @@ contains
    end function step_of
 
    !> Number of commas.
-   pure integer function commas(line)
+   pure integer function commas(line) result(count)
       character(len=*), intent(in) :: line
       integer :: n
 
-      commas = 0
+      count = 0
       do n = 1, len(line)
-         if (line(n:n) == ",") commas = commas + 1
+         if (line(n:n) == ",") count = count + 1
       end do
    end function commas
 

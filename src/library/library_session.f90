@@ -88,7 +88,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (command%information%is_set() .or. allocated(command%example%name) .or. command%check &
-         .or. command%echo &
+         .or. command%information%echo &
          .or. command%preview .or. command%point .or. command%grains .or. command%self_test &
          .or. allocated(command%job%scheduler)) call fail(error, exit_input, "the library runs "// &
          "decks only; use the program scree for this option")

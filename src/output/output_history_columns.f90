@@ -103,7 +103,8 @@ contains
       integer :: n, k
 
       list = all_columns()
-      columns%chosen = [integer ::]
+      if (allocated(columns%chosen)) deallocate (columns%chosen)
+      allocate (columns%chosen(0))
       chosen = .false.
       call take(1, columns%chosen, chosen)
       call take(2, columns%chosen, chosen)

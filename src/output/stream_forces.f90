@@ -271,11 +271,16 @@ contains
       type(exact_sum_t) :: total(wall_entries*size(self%weight, 1))
       real(wp) :: sums(wall_entries*size(self%weight, 1)), row(sum(columns_of(self%kind)))
       real(wp) :: now(wall_entries, size(self%name)), period
-      integer :: first, n
+      integer :: first, m, n
 
       total = reshape(simulation%balance%ledger%walls%total, shape(total))
       call totals_over_ranks(simulation%machine%communicator, total, sums)
-      now = matmul(reshape(sums, [wall_entries, size(self%weight, 1)]), self%weight)
+      now = 0.0_wp
+      do n = 1, size(self%name)
+         do m = 1, size(self%weight, 1)
+            now(:, n) = now(:, n) + self%weight(m, n)*sums((m - 1)*wall_entries + 1:m*wall_entries)
+         end do
+      end do
       do n = 1, 3
          if (simulation%space%grid%active(n) .and. .not. (simulation%space%grid%axisymmetric &
             .and. n == 1)) cycle

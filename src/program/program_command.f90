@@ -9,11 +9,13 @@ module program_command
 
    public :: check_command, command_line_error, command_t, information_request_t
 
-   !> A text that is printed in place of a run. Texts that were not given are not allocated.
+   !> A text that is printed in place of a run. Texts that were not given are not allocated. All but
+   !! `echo` need no deck, and `is_set` asks for these.
    type :: information_request_t
       logical :: help = .false.                          !! Print the help
       logical :: version = .false.                       !! Print the version
       logical :: template = .false.                      !! Print all keys
+      logical :: echo = .false.                          !! Print the deck with all keys
       character(len=:), allocatable :: explain           !! Key or group to explain
       character(len=:), allocatable :: list              !! Name of the list to print
       character(len=:), allocatable :: digest            !! Checkpoint whose digest is printed
@@ -49,7 +51,6 @@ module program_command
    type :: command_t
       character(len=:), allocatable :: deck              !! Path of the deck
       logical :: check = .false.                         !! Check the deck, compute nothing
-      logical :: echo = .false.                          !! Print the deck with all keys
       logical :: estimate = .true.                       !! A check estimates the run time
       logical :: preview = .false.                       !! Write and draw the first state
       logical :: point = .false.                         !! Drive one material point
@@ -111,8 +112,8 @@ contains
       else if (command%grains .and. (command%point .or. command%preview &
          .or. allocated(command%job%scheduler))) then
          call command_line_error(error, "--grains excludes --point, --preview and --job")
-      else if (command%echo .and. (command%check .or. command%preview .or. command%point &
-         .or. command%grains .or. command%restart .or. allocated(command%job%scheduler))) then
+      else if (command%information%echo .and. (command%check .or. command%preview &
+         .or. command%point .or. command%grains .or. command%restart .or. allocated(command%job%scheduler))) then
          call command_line_error(error, "--echo excludes --check, --preview, --point, "// &
             "--grains, --restart and --job")
       else if (command%check .and. command%restart) then

@@ -259,7 +259,7 @@ contains
          command%information%version = .true.
       case ("check", "echo", "preview", "point", "grains", "self-test")
          command%check = command%check .or. option%name == "check"
-         command%echo = command%echo .or. option%name == "echo"
+         command%information%echo = command%information%echo .or. option%name == "echo"
          command%preview = command%preview .or. option%name == "preview"
          command%point = command%point .or. option%name == "point"
          command%grains = command%grains .or. option%name == "grains"

@@ -15,10 +15,9 @@ contains
       character(len=*), parameter :: newline = new_line("a")
 
       text = "usage: scree [options] DECK.nml"//newline//newline// &
-         "  -n, --check            check the deck and estimate the cost of a run"//newline// &
+         "  -n, --check            check the deck and its cost; --no-estimate: faster"//newline// &
          "  -p, --preview          draw the initial state and walls to OUTDIR_preview"// &
          newline// &
-         "      --no-estimate      with --check: omit the estimate of the run time"//newline// &
          "      --echo             print the deck with the values of all keys in SI"//newline// &
          "  -s, --set G.K=VALUE    replace a value of the deck; --unset G.K removes it"// &
          newline// &

@@ -135,7 +135,7 @@ contains
       call share_cores()
       call yield_when_waiting(program_arguments())
       associate (command => session%command)
-         if (.not. (command%check .or. command%echo .or. command%point .or. &
+         if (.not. (command%check .or. command%information%echo .or. command%point .or. &
             allocated(command%job%scheduler))) &
             call session%simulation%machine%communicator%start()
          call read_setup(session, error)
@@ -151,7 +151,7 @@ contains
          call build_setup(session, error)
          if (allocated(error)) return
          call limit_threads(session)
-         if (command%echo) then
+         if (command%information%echo) then
             write (output_unit, "(a)", advance="no") session%deck%echo()
          else if (allocated(command%job%scheduler)) then
             call job_text(session, command%deck, text, error)

@@ -21,8 +21,8 @@ module program_memory
          import :: c_char, c_int, c_size_t
          implicit none
          integer(c_int), value :: file                   !! 2: standard error
-         character(kind=c_char), intent(in) :: text(*)
          integer(c_size_t), value :: length
+         character(kind=c_char), intent(in) :: text(length)
          integer(c_size_t) :: written
       end function c_write
 

@@ -65,7 +65,8 @@ contains
       call group%get("transfer", transfer)
       ! a whole linear velocity field of the particles gains energy without bound with usl
       if (.not. group%given("stress_update")) call deck%set_default("method", 1, "stress_update", &
-         trim(stress_names(merge(stress_remapped, stress_after, any(transfer == ["apic ", "aflip"])))))
+         trim(stress_names(merge(stress_remapped, stress_after, &
+         any(transfer == ["apic ", "aflip"])))))
    end subroutine set_dependent_defaults
 
    !> In contact, elastic bodies are strained with the velocities of their particles (musl):

@@ -46,7 +46,7 @@ class TestOnePass:
     def test_preset(self, options):
         """Would catch follow-up errors of an invalid preset, on keys that it sets or that depend on such keys."""
         for word, near in (("aluminium_6061", "al_6061_t6"), ("copper", "cu_ofhc"), ("al6061", "al_6061_t6"),
-                           ("steel 1006", "steel_4340"), ("al_6061_t5", "al_6061_t6")):
+                           ("steel 1006", "steel_1006"), ("al_6061_t5", "al_6061_t6")):
             lines = problems(said_of(options, "preset", material=f"&material name='m' preset='{word}' jc_a=1e8 /"))
             assert len(lines) == 1, lines
             assert f"did you mean '{near}'?" in lines[0]

@@ -7,8 +7,8 @@ error of the finest run (grid convergence index: P. J. Roache, J. Fluids Eng. 11
 Celik and others, ibid. 130 (2008) 078001). A quantity is one of:
 
   NAME            a column of the history, its last row; NAME:max, NAME:min, NAME:mean, NAME:at=TIME
-  TABLE.COLUMN    the same of CASE_TABLE.csv, such as gauge.velocity_x:max; of tables with several rows
-                  for each time fragments[1].mass, or fragments.mass:mean of all rows of the last time
+  TABLE.COLUMN    the same of CASE_TABLE.csv, such as gauge.velocity_x:max; of tables with several
+                  rows for each time fragments[1].mass, or fragments.mass:mean of the last time
   PATH            a number in the summary, such as ledger.energy_error
   length, width, radius, front_z, ...   of the particles of the last snapshot
 """
