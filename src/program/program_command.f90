@@ -113,7 +113,8 @@ contains
          .or. allocated(command%job%scheduler))) then
          call command_line_error(error, "--grains excludes --point, --preview and --job")
       else if (command%information%echo .and. (command%check .or. command%preview &
-         .or. command%point .or. command%grains .or. command%restart .or. allocated(command%job%scheduler))) then
+         .or. command%point .or. command%grains .or. command%restart &
+         .or. allocated(command%job%scheduler))) then
          call command_line_error(error, "--echo excludes --check, --preview, --point, "// &
             "--grains, --restart and --job")
       else if (command%check .and. command%restart) then
