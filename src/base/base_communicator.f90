@@ -5,15 +5,15 @@ module base_communicator
    use base_process, only: prefer_romio, private_memory
    use base_sort, only: sort_order
    use base_text, only: text_t
-   use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_any_source, mpi_barrier, &
-      mpi_bcast, mpi_character, mpi_comm, mpi_comm_dup, mpi_comm_free, mpi_comm_rank, &
+   use mpi_f08, only: mpi_abort, mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_any_source, &
+      mpi_barrier, mpi_bcast, mpi_character, mpi_comm, mpi_comm_dup, mpi_comm_free, mpi_comm_rank, &
       mpi_comm_set_errhandler, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
       mpi_errors_are_fatal, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
       mpi_get_library_version, mpi_ibarrier, mpi_info, mpi_info_create, mpi_info_free, &
       mpi_info_null, mpi_info_set, mpi_init_thread, mpi_initialized, mpi_integer8, mpi_iprobe, &
       mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, mpi_recv, mpi_request, &
       mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, mpi_testall, &
-      mpi_thread_funneled
+      mpi_thread_funneled, mpi_wait
    implicit none
    private
 
@@ -56,6 +56,8 @@ module base_communicator
       procedure :: set_hints => communicator_set_hints !! Hints for files of all ranks
       procedure :: counts => communicator_counts      !! Messages and collective calls so far
       procedure :: barrier => communicator_barrier    !! Barrier
+      procedure :: meets => communicator_meets        !! Barrier that a failed rank can give up
+      procedure :: abort => communicator_abort        !! End all ranks at once
       procedure :: minimum => communicator_minimum    !! Minimum over the ranks
       procedure :: maximum => communicator_maximum    !! Maximum over the ranks
       procedure :: maxima => communicator_maxima      !! Maxima, element by element
@@ -200,6 +202,40 @@ contains
       call count_call(self, 0)
       call mpi_barrier(self%handle)
    end subroutine communicator_barrier
+
+   !> Wait until all ranks have reached this call. A rank on which a collective call of a library
+   !! has failed waits for a time only, since the others may still be in that call, which never
+   !! ends: false. Collective.
+   logical function communicator_meets(self, failed, patience) result(met)
+      class(communicator_t), intent(in) :: self
+      logical, intent(in) :: failed                   !! Has the call failed on this rank?
+      real(wp), intent(in) :: patience                !! How long it waits then [s]
+      integer(int64) :: begin, now, rate
+      type(mpi_request) :: request
+
+      met = .true.
+      if (self%size == 1) return
+      call count_call(self, 0)
+      call mpi_ibarrier(self%handle, request)
+      if (.not. failed) then
+         call mpi_wait(request, mpi_status_ignore)
+         return
+      end if
+      call system_clock(begin, rate)
+      do
+         call mpi_test(request, met, mpi_status_ignore)
+         call system_clock(now)
+         if (met .or. real(now - begin, wp) > patience*real(rate, wp)) return
+      end do
+   end function communicator_meets
+
+   !> End all ranks at once, with an exit code.
+   subroutine communicator_abort(self, code)
+      class(communicator_t), intent(in) :: self
+      integer, intent(in) :: code                     !! Exit code
+
+      call mpi_abort(self%handle, code)
+   end subroutine communicator_abort
 
    !> Minimum over the ranks of one number per rank. Collective.
    real(wp) function communicator_minimum(self, value) result(least)

@@ -30,11 +30,13 @@ module io_hdf5
    use io_seal, only: write_seal
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_f_pointer, c_int, c_int64_t, &
       c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_fortran_env, only: error_unit
    implicit none
    private
 
    public :: hdf5_file_t, leave_library, start_library, text_type
 
+   real(wp), parameter :: patience = 30.0_wp             !! For ranks that have not failed [s]
    integer, parameter :: trial_bytes = 65536             !! Written to find the reason of a failure
    integer(c_int), parameter :: never_again = 3          !! H5F_FSPACE_STRATEGY_NONE
 
@@ -233,9 +235,23 @@ contains
          end if
          call fail(error, exit_file, message)
       end if
+      if (.not. self%communicator%meets(allocated(error), patience)) &
+         call give_up(self%communicator, error%message)
       call agree(self%communicator, error)
       if (allocated(error) .and. self%works()) call move_alloc(error, self%problem)
    end subroutine hdf5_share_status
+
+   !> End the run where the other ranks cannot be told of an error: they wait for this rank inside
+   !! of a write that has failed here.
+   subroutine give_up(communicator, message)
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: message
+
+      write (error_unit, "(a)") "error: "//message//"; other ranks are still in this call, so "// &
+         "the run ends at once [F103]"
+      flush (error_unit)
+      call communicator%abort(exit_file)
+   end subroutine give_up
 
    !> Write to the end of a file that is given up: MPI does not return the error number.
    subroutine try_to_write(path)

@@ -13,6 +13,7 @@ import subprocess
 
 import pytest
 
+import case
 import faults
 import tier
 
@@ -63,15 +64,20 @@ def test_kills(options, sheet, whole):
         sheet.require("F126" not in run.output, f"call {call}: nothing is lost: {run.output[-500:]}")
 
 
-def test_errors_that_last(options, sheet, whole):
-    """Would catch a crash of the HDF5 library in its end, an exit code 0 with files that are not whole, and a
-    checkpoint that is damaged by later errors. One rank: MPI libraries can hang in a collective write that fails."""
+@pytest.mark.parametrize("ranks", tier.choose(smoke=(1,), full=(1,), long=(1, 2)))
+def test_errors_that_last(options, sheet, whole, ranks):
+    """Would catch a crash of the HDF5 library in its end, an exit code 0 with files that are not whole, a checkpoint
+    that is damaged by later errors, and on two ranks a hang: one rank leaves a collective write that fails, the other
+    stays in it, so that each run takes half a minute."""
+    if ranks > 1:
+        case.need_ranks(options.scree)
     chance = random.Random(SEED)
-    for number in range(ERRORS):
-        run = faults.fresh(options, "full", faults.deck())
-        call = 40 + number * (whole.calls - 60) // (ERRORS - 1) + chance.randrange(-15, 15)
+    count = ERRORS if ranks == 1 else 12
+    for number in range(count):
+        run = faults.fresh(options, "full", faults.deck(), ranks=ranks)
+        call = 40 + number * (whole.calls - 60) // (count - 1) + chance.randrange(-15, 15)
         action = chance.choice(["28", "5", "122"])           # ENOSPC, EIO, EDQUOT
-        code = whole.tools.run(run, call, "-q", action=action, reserve=chance.random() < 0.3, timeout=40)
+        code = whole.tools.run(run, call, "-q", action=action, reserve=chance.random() < 0.3, timeout=80 * ranks - 40)
         said = [line for line in run.output.splitlines() if "cannot " in line]
         sheet.require(code == 3, f"call {call}, error {action}: exit code {code}: {run.output[-500:]}")
         sheet.require(len(said) > 0 and str(run.folder) in said[-1], f"call {call}: names the file: {said}")

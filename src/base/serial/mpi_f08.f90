@@ -9,11 +9,12 @@ module mpi_f08
    implicit none
    private
 
-   public :: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_barrier, mpi_bcast, mpi_comm_dup, &
-      mpi_comm_free, mpi_comm_rank, mpi_comm_set_errhandler, mpi_comm_size, mpi_comm_split, &
-      mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, mpi_get_library_version, &
-      mpi_ibarrier, mpi_info_create, mpi_info_free, mpi_info_set, mpi_init_thread, &
-      mpi_initialized, mpi_iprobe, mpi_issend, mpi_recv, mpi_test, mpi_testall
+   public :: mpi_abort, mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_barrier, mpi_bcast, &
+      mpi_comm_dup, mpi_comm_free, mpi_comm_rank, mpi_comm_set_errhandler, mpi_comm_size, &
+      mpi_comm_split, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
+      mpi_get_library_version, mpi_ibarrier, mpi_info_create, mpi_info_free, mpi_info_set, &
+      mpi_init_thread, mpi_initialized, mpi_iprobe, mpi_issend, mpi_recv, mpi_test, mpi_testall, &
+      mpi_wait
 
    !> A group of ranks.
    type, public :: mpi_comm
@@ -178,6 +179,20 @@ contains
 
       info = mpi_info_null
    end subroutine mpi_info_free
+
+   !> End the program. Never called with one rank.
+   subroutine mpi_abort(comm, errorcode)
+      type(mpi_comm), intent(in) :: comm
+      integer, intent(in) :: errorcode
+
+      error stop
+   end subroutine mpi_abort
+
+   !> Wait until a request is complete: it is.
+   subroutine mpi_wait(request, status)
+      type(mpi_request), intent(inout) :: request
+      type(mpi_status), intent(in) :: status          !! mpi_status_ignore
+   end subroutine mpi_wait
 
    !> Wait for the other ranks: there are none.
    subroutine mpi_barrier(comm)
