@@ -125,7 +125,7 @@ def test_block(options):
     deck = folder / "deck.nml"
     deck.write_text(
         "&run title = 'block' dimension = 'plane_strain' /\n&grid lo = 0,0,0 hi = 1,0.1,1 dx = 0.1 /\n"
-        f"&time t_end = 0.01 /\n&include file = '{cell.CASE}_material.nml' /\n"
+        f"&time t_end = 0.02 /\n&include file = '{cell.CASE}_material.nml' /\n"
         "&region name = 'r' shape = 'box' lo = 0,0,0 hi = 0.5,0.1,0.5 /\n"
         f"&body name = 'b' region = 'r' material = '{material.name_of(cell.CASE)}' /\n"
         "&output name = 'h' kind = 'history' every = 10 /\n"

@@ -111,8 +111,10 @@ def differences(one, two):
 
 
 def seconds_left_out(text):
-    """The output of a study without parts that depend on the machine: core-seconds, and forecasts from them."""
-    kept = [line for line in text.splitlines() if "core-seconds" not in line or "cells [" in line]
+    """The output of a study without parts that depend on the machine: core-seconds, forecasts from them, and
+    the progress."""
+    kept = [line for line in text.splitlines() if ("core-seconds" not in line or "cells [" in line)
+            and not re.search(r"\d+ of \d+ runs|^done .*\(\d+ of \d+\)", line)]
     return "\n".join(re.sub(r"^( +\S+ +\d+ +\d+) +\S+", r"\1", line) for line in kept)
 
 

@@ -51,20 +51,21 @@ def case_of(path: str) -> str:
     return os.path.splitext(os.path.basename(path))[0].removesuffix("_history")
 
 
-def curves(name: str, table: pandas.DataFrame, across: str) -> dict[str, pandas.DataFrame]:
+def curves(name: str, table: pandas.DataFrame, across: str, alone: bool) -> dict[str, pandas.DataFrame]:
     """The table itself; one with several rows for each time is divided into a curve for each of the first rows over
-    time, or for some of its times over another column."""
+    time, or for some of its times over another column. A table that is drawn alone needs no name."""
     numbered = next((key for key in NUMBERED if key in table), "")
     if not numbered:
         return {name: table}
+    first = "" if alone else f"{name}, "
     if across == "time":
-        return {f"{name}, {numbered} {number}": table[table[numbered] == number]
+        return {f"{first}{numbered} {number}": table[table[numbered] == number]
                 for number in sorted(set(table[numbered].astype(int))) if number <= MOST}
     times = sorted(set(table["time"]))
     chosen = [times[place * (len(times) - 1) // max(min(MOST, len(times)) - 1, 1)]
               for place in range(min(MOST, len(times)))]
     factor, unit = look.scaled(max(times), "s")
-    return {f"{name}, {factor * time:.4g} {unit}": table[table["time"] == time] for time in chosen}
+    return {f"{first}{factor * time:.4g} {unit}": table[table["time"] == time] for time in chosen}
 
 
 def chosen_columns(paths: Sequence[str], arguments: argparse.Namespace) -> Figure:
@@ -78,7 +79,7 @@ def chosen_columns(paths: Sequence[str], arguments: argparse.Namespace) -> Figur
         for name in (arguments.x, *names):
             if name not in table:
                 raise unknown("column", name, table.columns, path)
-        tables |= curves(case_of(path) if case_of(path) not in tables else path, table, arguments.x)
+        tables |= curves(case_of(path) if case_of(path) not in tables else path, table, arguments.x, len(paths) == 1)
     if arguments.log and not any(table[name].any() for table in tables.values() for name in names):
         raise ScreeError("--log: all these columns are zero", EXIT_USAGE)
     look.pyplot()                                        # fonts and colours of the common style
