@@ -241,7 +241,7 @@ contains
       if (allocated(error) .and. self%works()) call move_alloc(error, self%problem)
    end subroutine hdf5_share_status
 
-   !> End the run where the other ranks cannot be told of an error: they wait for this rank inside
+   !> End the run where the other ranks cannot learn of an error: they wait for this rank inside
    !! of a write that has failed here.
    subroutine give_up(communicator, message)
       type(communicator_t), intent(in) :: communicator

@@ -10,7 +10,7 @@ module program_command
    public :: check_command, command_line_error, command_t, information_request_t
 
    !> A text that is printed in place of a run. Texts that were not given are not allocated. All but
-   !! `echo` need no deck, and `is_set` asks for these.
+   !! `echo` need no deck; `is_set` is true for one of these.
    type :: information_request_t
       logical :: help = .false.                          !! Print the help
       logical :: version = .false.                       !! Print the version

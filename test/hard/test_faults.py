@@ -8,6 +8,7 @@ A preloaded library (support/interpose.c) counts the calls and makes the fault. 
 # timeout long: 1800
 
 import random
+import shlex
 import shutil
 import subprocess
 
@@ -136,13 +137,13 @@ def test_standard_output(options, sheet, whole):
     is printed would be written to it."""
     for words in (["--template"], ["--help"], ["--explain", "grid.dx"], ["--check", whole.deck],
                   ["--job", "slurm", whole.deck]):
-        command = " ".join(str(word) for word in (options.scree, *words))
+        command = shlex.join(str(word) for word in (options.scree, *words))
         for stream in ("> /dev/full", ">&-"):
             answer = subprocess.run(f"{command} {stream}", shell=True, capture_output=True, text=True, check=False)
             sheet.require(answer.returncode == 3 and "cannot write 'standard output'" in answer.stderr,
                           f"{words[0]} {stream}: exit code {answer.returncode}: {answer.stderr}")
     run = faults.fresh(options, "closed", faults.deck())
-    command = " ".join(run.command())
+    command = shlex.join(map(str, run.command()))
     answer = subprocess.run(f"{command} >&- 2>&- <&-", shell=True, env=run.environment, check=False, timeout=60)
     sheet.require(answer.returncode == 0, f"a run with closed streams: exit code {answer.returncode}")
     differs = faults.different(faults.tables(run), whole.files)

@@ -9,6 +9,7 @@
 
 import os
 import subprocess
+import tempfile
 from pathlib import Path
 
 import case
@@ -43,7 +44,9 @@ class Faults:
     """The library that is loaded before the program."""
 
     def __init__(self, options):
-        self.library = options.work / "interpose.so"
+        # the loader takes a blank in LD_PRELOAD for the end of a name, and the working folder may have one
+        self.folder = tempfile.TemporaryDirectory(prefix="scree_faults_")
+        self.library = Path(self.folder.name) / "interpose.so"
         subprocess.run(["cc", "-O1", "-shared", "-fPIC", "-o", self.library, SOURCE, "-ldl", "-lpthread"], check=True)
 
     def run(self, run, call, *words, action="kill", rank=None, reserve=True, timeout=60):
