@@ -77,7 +77,8 @@ def test_two_at_the_same_time(run: scree.Run, tmp_path: Path) -> None:
 def test_one_run_of_a_case_in_a_folder(tmp_path: Path) -> None:
     """Would catch two simulations that write the same files, and a lock that remains after the first one was closed."""
     first = simulate(tmp_path)
-    for options in ({"overwrite": True}, {"restart": True}):
+    ways: list[dict[str, Any]] = [{"overwrite": True}, {"restart": True}]
+    for options in ways:
         with pytest.raises(scree.FileProblem, match=f"is in use by process {os.getpid()} on host"):
             simulate(tmp_path, **options)
     first.step()
@@ -89,8 +90,9 @@ def test_one_run_of_a_case_in_a_folder(tmp_path: Path) -> None:
 
 def test_texts_that_are_no_names(tmp_path: Path) -> None:
     """Would catch a text of the caller that ends a line of a log, a script or a table."""
-    for options in ({"case": "a\nb"}, {"case": "a b"}, {"case": "../a"}, {"case": "a\0b"},
-                    {"set": {"run.title": "a\tb"}}, {"set": {"material.name": "a/b"}}):
+    texts: list[dict[str, Any]] = [{"case": "a\nb"}, {"case": "a b"}, {"case": "../a"}, {"case": "a\0b"},
+                                   {"set": {"run.title": "a\tb"}}, {"set": {"material.name": "a/b"}}]
+    for options in texts:
         with pytest.raises(scree.DeckError):
             simulate(tmp_path / "x", **options)
         with pytest.raises((scree.DeckError, ValueError)):

@@ -29,7 +29,8 @@ contains
       do while (at <= len(text) .and. problem == "")
          call read_character(text, at, code, last)
          if (code == malformed) then
-            problem = "has bytes that are not UTF-8 text, the first one at place "//number(at)
+            problem = "has bytes that are not UTF-8 text, the first one at place "//number(at)// &
+               "; save the file as UTF-8"
          else if (code < 32 .or. (code >= 127 .and. code < 160)) then
             problem = "has a control character, number "//number(code)//" at place "//number(at)// &
                "; only printable characters are allowed"
