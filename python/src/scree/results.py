@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import files
+from . import echo, files
 from .errors import FileProblem, decoded, nearest, readable, reading
 from .snapshot import Snapshots
 
@@ -90,10 +90,9 @@ class Run:
     @cached_property
     def deck(self) -> Any:
         """The deck with all keys and their values, in SI, as a namelist of f90nml. Repeated groups are lists."""
-        import f90nml
         path = self.path(".echo.nml")
         with reading(path):
-            return f90nml.reads(text_of(path))
+            return echo.namelist(text_of(path))
 
     @cached_property
     def summary(self) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from . import files
+from . import echo, files
 from . import units as units_of
 from .drawing.shape import widths
 from .errors import FileProblem, nearest, reading
@@ -113,9 +113,8 @@ class Snapshot:
     @property
     def deck(self) -> Any:
         """The deck with all keys and their values, in SI, as a namelist of f90nml."""
-        import f90nml
         with reading(self.file):
-            return f90nml.reads(self._header.echo)
+            return echo.namelist(self._header.echo)
 
     def body(self, name: str) -> NDArray[np.bool_]:
         """Mask of the particles of a body."""
