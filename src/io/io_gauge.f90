@@ -10,7 +10,7 @@ module io_gauge
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
-   use io_exact_totals, only: totals_over_ranks
+   use base_exact_totals, only: totals_over_ranks
    use io_fields, only: picks_t
    use io_means, only: added, by_volume, fill_mean, mean_t
    use io_pick, only: pick_rule_t

@@ -7,7 +7,7 @@ module io_profile
    use base_constants, only: pi
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
-   use io_exact_totals, only: totals_over_ranks
+   use base_exact_totals, only: totals_over_ranks
    use io_fields, only: picks_t
    use io_means, only: added, along_axis, by_volume, fill_mean, highest, mean_t
    use io_pick, only: pick_rule_t

@@ -6,7 +6,7 @@ module output_history_columns
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use base_text, only: append, closest, text_t
-   use io_exact_totals, only: totals_over_ranks
+   use base_exact_totals, only: totals_over_ranks
    use io_pick, only: pick_rule_t
    use io_profile, only: half_size, profile_rows, profile_t
    use mesh_grid, only: grid_t

@@ -9,7 +9,7 @@ module stream_forces
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
    use base_text, only: append, closest, text_t
-   use io_exact_totals, only: totals_over_ranks
+   use base_exact_totals, only: totals_over_ranks
    use mesh_boundary, only: face_names
    use mesh_wall, only: wall_t
    use mesh_wall_sums, only: wall_entries

@@ -2,7 +2,8 @@
 !> Counts the particles of bodies and tiles, and sums their volumes, before particles exist.
 module particle_survey
    use base_communicator, only: communicator_t
-   use base_exact_sum, only: exact_sum_t, exact_sum_words
+   use base_exact_sum, only: exact_sum_t
+   use base_exact_totals, only: totals_over_ranks
    use base_kinds, only: int64, wp
    use base_progress, only: progress_t
    use base_sort, only: sort_order
@@ -73,32 +74,11 @@ contains
       !$omp end critical (survey_counts)
       !$omp end parallel
       call communicator%total(body_count)
-      call total_volumes(communicator, volumes, body_volume)
+      call totals_over_ranks(communicator, volumes, body_volume)
       order = sort_order(key)
       key = key(order)
       particles = particles(order)
    end subroutine survey_bodies
-
-   !> Volumes of bodies on all ranks, in one message. Collective.
-   subroutine total_volumes(communicator, volumes, body_volume)
-      type(communicator_t), intent(in) :: communicator
-      type(exact_sum_t), intent(inout) :: volumes(:)  !! (body) Those of this rank
-      real(wp), intent(out) :: body_volume(:)         !! (body) Those of all ranks [m3]
-      integer(int64), allocatable :: words(:)
-      integer :: body, first
-
-      allocate (words(exact_sum_words*size(volumes)))
-      do body = 1, size(volumes)
-         first = exact_sum_words*(body - 1)
-         call volumes(body)%save(words(first + 1:first + exact_sum_words))
-      end do
-      call communicator%total(words)
-      do body = 1, size(volumes)
-         first = exact_sum_words*(body - 1)
-         call volumes(body)%load(words(first + 1:first + exact_sum_words))
-         body_volume(body) = volumes(body)%value()
-      end do
-   end subroutine total_volumes
 
    !> Append a tile and its particles to a list, which grows as needed.
    pure subroutine append_pair(key, particles, pairs, filled)

@@ -152,7 +152,7 @@ contains
          if (allocated(error)) return
          call limit_threads(session)
          if (command%information%echo) then
-            write (output_unit, "(a)", advance="no") session%deck%echo()
+            call print_text(session%deck%echo(), error)
          else if (allocated(command%job%scheduler)) then
             call job_text(session, command%deck, text, error)
             if (.not. allocated(error)) call print_text(text, error)

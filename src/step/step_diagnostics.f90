@@ -5,6 +5,7 @@
 !! particles, so all numbers are the same for any ranks and threads.
 module step_diagnostics
    use base_exact_sum, only: exact_sum_t
+   use base_exact_totals, only: totals_over_ranks
    use base_kinds, only: int64, wp
    use material_kinds, only: may_lock
    use material_type, only: material_t
@@ -110,7 +111,7 @@ contains
       type(bounds_sample_t), intent(out) :: sample       !! Measured values
       real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
       real(wp) :: energies(3, space%tiles%own), total(3)
-      type(exact_sum_t) :: sum
+      type(exact_sum_t) :: sum(3)
       integer :: index, n, tile
 
       greatest = -huge(1.0_wp)
@@ -134,13 +135,11 @@ contains
       sample%cold = -all(3)
       sample%energy = max(0.0_wp, all(4))
       do n = 1, 3
-         call sum%clear()
          do tile = 1, space%tiles%own
-            call sum%add(energies(n, tile))
+            call sum(n)%add(energies(n, tile))
          end do
-         call sum%over_ranks(machine%communicator)
-         total(n) = sum%value()
       end do
+      call totals_over_ranks(machine%communicator, sum, total)
       sample%whole = total(1)
       sample%fast = total(2)
       sample%odd = total(3)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Many exact sums over all ranks in one message.
-module io_exact_totals
+module base_exact_totals
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
@@ -35,4 +35,4 @@ contains
          values(n) = total(n)%value()
       end do
    end subroutine totals_over_ranks
-end module io_exact_totals
+end module base_exact_totals
