@@ -13,7 +13,9 @@
 
 function(scree_layer folder)
    cmake_parse_arguments(layer "ONCE" "" "USES;LINKS;EXTRA" ${ARGN})
-   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.f90")
+   # Subfolders divide a folder by subjects; `serial` and `parallel` are variants for different builds.
+   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.f90" "${CMAKE_CURRENT_SOURCE_DIR}/*/*.f90")
+   list(FILTER sources EXCLUDE REGEX "/(serial|parallel)/[^/]*$")
    list(REMOVE_ITEM sources "${CMAKE_CURRENT_SOURCE_DIR}/main.f90")
    list(APPEND sources ${layer_EXTRA})
    set(target scree_${folder})

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write doc/reference/messages.md and the examples of `scree --explain CODE` from src/program/messages.
+"""Write doc/reference/messages.md and the examples of `scree --explain CODE` from src/run/messages.
 
     python3 scripts/document_messages.py --scree build/bin/scree             write both
     python3 scripts/document_messages.py --scree build/bin/scree --check     exit code 1 if out of date
 
-The files src/program/messages/*.txt contain the code, text, cause and remedy of each message. The build includes them
+The files src/run/messages/*.txt contain the code, text, cause and remedy of each message. The build includes them
 in the program, which prints the code after a message with this text. This script generates an example of each
 message: it runs the program on a wrong deck and checks that the message is printed with its code. The deck is that of
 a row of the tables of test/input (broken_*.py) with this message, unless scripts/messages contains another one
 (examples.py: decks; situations.py: commands, files and runs). Examples are written to the page and to
-src/program/messages/examples.txt, which the build also includes in the program.
+src/run/messages/examples.txt, which the build also includes in the program.
 
 For a new message add a record with the next free code of its section, build, run this script, check the page, and build
 again. A code is never used for another message. Only the standard library is needed.
@@ -28,7 +28,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 GUIDE = ROOT / "doc" / "reference"
 PAGE = GUIDE / "messages.md"
-SOURCES = ROOT / "src" / "program" / "messages"
+SOURCES = ROOT / "src" / "run" / "messages"
 EXAMPLES = SOURCES / "examples.txt"
 SECTIONS = ["format", "values", "keys", "scene", "units", "command_line", "jobs", "runs", "files"]
 sys.path[:0] = [str(ROOT / "scripts" / "messages"), str(ROOT / "test" / "input")]
@@ -77,7 +77,7 @@ stop a run.
 
 Below, `...` stands for names and numbers. Examples show a wrong deck, file or command, the message, and the correction.
 [scripts/document_messages.py](../../scripts/document_messages.py) writes this page from
-[src/program/messages](../../src/program/messages) and runs the examples.
+[src/run/messages](../../src/run/messages) and runs the examples.
 """
 
 

@@ -6,9 +6,9 @@
 !! the same time: one wave in 1-D, two in plane strain with phases pi apart.
 module exact_axis_aligned
    use base_constants, only: pi
-   use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
    use exact_solution, only: exact_t
    implicit none
    private

@@ -7,9 +7,9 @@
 !! s = cos(k X), k = n pi/L.
 module exact_bar_mode
    use base_constants, only: pi
-   use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
    use exact_solution, only: exact_t
    implicit none
    private

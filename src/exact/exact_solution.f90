@@ -5,9 +5,9 @@
 !! A material point is identified by its reference position. Solutions are evaluated for one point
 !! per call; the call costs far less than the sines in it.
 module exact_solution
-   use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
    implicit none
    private
 

@@ -6,9 +6,9 @@
 !! (1 - n) rho w^2 r/(8 E) [(3 + n) R^2 - (1 + n) r^2]; in plane strain with E/(1 - nu^2) for E and
 !! n = nu/(1 - nu). The density is that at rest.
 module exact_spinning_disc
-   use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
    use exact_solution, only: exact_t
    implicit none
    private

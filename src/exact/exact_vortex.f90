@@ -7,9 +7,9 @@
 !! from -1/2 to 1/2 over the width w. Volumes are constant; rotations and shear are large.
 module exact_vortex
    use base_constants, only: pi
-   use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
    use exact_solution, only: exact_t
    implicit none
    private

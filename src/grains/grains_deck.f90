@@ -2,10 +2,10 @@
 !> The groups &grains and &cell: their keys, their checks, and the cell that they describe.
 module grains_deck
    use base_constants, only: pi
-   use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: changes_physics, schema_t
    use base_text, only: brief
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: changes_physics, schema_t
    use grains_cell, only: cell_t
    use grains_law, only: hertz_law, linear_law
    use grains_packing, only: fill_lattice, fill_random, grain_radii, set_masses

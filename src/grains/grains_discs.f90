@@ -4,12 +4,12 @@
 !! Equations of doc/theory/grains.md.
 module grains_discs
    use base_kinds, only: wp
-   use mesh_box, only: box_t
    use grains_law, only: contact_law_t
    use grains_pairs, only: birth_strain, birth_time, dashpot, dashpot_loss, factor, history_words, &
       overlap, pairs_t, push_arm, push_branch, push_force, push_moment, push_words, slip_loss, &
       slips, step_loss, tangent
    use grains_state, only: block_rows, grains_t
+   use mesh_box, only: box_t
    implicit none
    private
 

@@ -2,9 +2,9 @@
 !> Finds the pairs of grains that may touch soon, with linked cells in the coordinates of the cell.
 module grains_neighbours
    use base_kinds, only: wp
-   use mesh_box, only: box_t
    use grains_pairs, only: pairs_t
    use grains_state, only: grains_t
+   use mesh_box, only: box_t
    implicit none
    private
 

@@ -9,10 +9,10 @@ module grains_output
    use grains_probe, only: probe_cell, probe_columns
    use grains_snapshot, only: write_contacts, write_grains
    use io_history, only: history_t
-   use io_state, only: state_t
-   use io_table_rows, only: mark_size
    use io_series, only: series_t
    use io_snapshot, only: snapshot_header_t
+   use io_state, only: state_t
+   use io_table_rows, only: mark_size
    implicit none
    private
 

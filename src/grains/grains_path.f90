@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The path of a cell: stages, each with a velocity gradient, prescribed stresses and an end.
 module grains_path
-   use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: changes_end, changes_physics, schema_t
    use base_text, only: brief
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: changes_end, changes_physics, schema_t
    use grains_cell, only: cell_t
    use mesh_drive, only: drive_t, read_drive, stage_duration
    implicit none

@@ -7,7 +7,6 @@
 module grains_step
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
-   use mesh_box, only: inverse
    use grains_cell, only: cell_t, losses
    use grains_discs, only: push_discs, sum_discs
    use grains_exchange, only: exchange_grains, gather_rows, link_halo, own_rows, total_of
@@ -17,6 +16,7 @@ module grains_step
    use grains_pairs, only: dashpot_loss
    use grains_spheres, only: push_spheres, sum_spheres
    use grains_state, only: block_rows
+   use mesh_box, only: inverse
    use mesh_hilbert, only: hilbert_key
    implicit none
    private

@@ -11,11 +11,11 @@ module io_checkpoint
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
    use base_field_worker, only: field_worker_t
+   use base_file, only: join_path, list_folder, longest_name, longest_path, remove_file
    use base_hash, only: add_hash, hash_integers, hash_reals, hash_text, mix
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
+   use deck_schema, only: schema_t
    use io_digest, only: field_key
-   use io_file, only: join_path, list_folder, longest_name, longest_path, remove_file
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data
    use io_order, only: store_rows, tile_order

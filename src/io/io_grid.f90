@@ -12,18 +12,18 @@ module io_grid
    use base_constants, only: pi
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
-   use base_units, only: output_units_t
-   use io_cells, only: cells_t, find_cells
-   use io_fields, only: picks_t
+   use deck_units, only: output_units_t
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: chunk_rows, data_bytes, rows_t, write_planes
    use io_level, only: even_chunks, owner_of
-   use io_means, only: added, by_volume, fill_mean, mean_t, volume_fraction
    use io_snapshot, only: rounded, snapshot_format_t, snapshot_header_t, write_bodies, &
       write_provenance, write_units
    use, intrinsic :: iso_fortran_env, only: real32
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
+   use sample_cells, only: cells_t, find_cells
+   use sample_fields, only: picks_t
+   use sample_means, only: added, by_volume, fill_mean, mean_t, volume_fraction
    implicit none
    private
 

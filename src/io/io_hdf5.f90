@@ -14,7 +14,10 @@ module io_hdf5
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
+   use base_file, only: divert_file, folder_of, output_file_t, remove_file, rename_file, &
+      reserve_file, sync_file, sync_folder
    use base_kinds, only: int32, int64, wp
+   use base_libc, only: c_dlsym, clear_failure, failure_number, failure_text
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dont_atexit_f, h5eset_auto_f, &
       h5f_acc_trunc_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_obj_all_f, h5f_obj_file_f, &
       h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fget_obj_count_f, h5gclose_f, &
@@ -23,10 +26,7 @@ module io_hdf5
       h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, h5tclose_f, h5tcopy_f, &
       h5tset_size_f, hid_t, hsize_t, size_t
-   use io_file, only: divert_file, folder_of, output_file_t, remove_file, rename_file, &
-      reserve_file, sync_file, sync_folder
    use io_hdf5_ranks, only: open_on_all_ranks
-   use io_libc, only: c_dlsym, clear_failure, failure_number, failure_text
    use io_seal, only: write_seal
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_f_pointer, c_int, c_int64_t, &
       c_loc, c_null_char, c_null_ptr, c_ptr

@@ -4,12 +4,12 @@
 module io_hdf5_index
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
+   use base_file, only: name_of
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5dclose_f, h5dcreate_f, h5p_dataset_create_f, h5pclose_f, h5pcreate_f, &
       h5pset_obj_track_times_f, h5pset_virtual_f, h5s_select_set_f, h5sclose_f, &
       h5screate_simple_f, h5sselect_all_f, h5sselect_hyperslab_f, h5t_ieee_f32le, h5t_ieee_f64le, &
       h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, hid_t, hsize_t
-   use io_file, only: name_of
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_hdf5_write, only: rows_of_root, write_data

@@ -2,7 +2,9 @@
 !> Reads HDF5 files. Every rank reads independently; no procedure is collective.
 module io_hdf5_read
    use base_error, only: error_t, exit_file, fail
+   use base_file, only: file_exists
    use base_kinds, only: int64, wp
+   use base_libc, only: failure_text
    use hdf5, only: h5aclose_f, h5aexists_by_name_f, h5aget_space_f, h5aopen_by_name_f, h5aread_f, &
       h5dclose_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, h5f_acc_rdonly_f, &
       h5fclose_f, h5fopen_f, h5g_dataset_f, h5gget_obj_info_idx_f, h5gn_members_f, h5lexists_f, &
@@ -10,9 +12,7 @@ module io_hdf5_read
       h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
       h5sselect_hyperslab_f, h5t_float_f, h5t_integer_f, h5t_native_double, h5t_std_i64le, &
       h5t_std_u8le, h5tclose_f, h5tget_class_f, h5tget_size_f, hid_t, hsize_t, size_t
-   use io_file, only: file_exists
    use io_hdf5, only: start_library
-   use io_libc, only: failure_text
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    implicit none
    private

@@ -3,6 +3,7 @@
 module io_hdf5_write
    use base_communicator, only: communicator_t
    use base_kinds, only: int32, int64, wp
+   use base_libc, only: clear_failure
    use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5dcreate_f, &
       h5dwrite_f, h5p_dataset_create_f, h5p_dataset_xfer_f, h5pclose_f, &
       h5pcreate_f, h5pset_alloc_time_f, h5pset_chunk_f, h5pset_deflate_f, &
@@ -13,7 +14,6 @@ module io_hdf5_write
    use io_hdf5, only: hdf5_file_t, text_type
    use io_hdf5_chunks, only: write_chunks
    use io_hdf5_ranks, only: write_on_all_ranks
-   use io_libc, only: clear_failure
    use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: real32
    implicit none

@@ -10,8 +10,8 @@
 !! superfluous and which is slow on Lustre (users' guide of ROMIO, romio_lustre_ds_in_coll).
 module io_hints
    use base_kinds, only: int64, wp
+   use base_libc, only: c_statfs
    use base_text, only: append, number, text_t
-   use io_libc, only: c_statfs
    use, intrinsic :: iso_c_binding, only: c_null_char
    implicit none
    private

@@ -5,12 +5,12 @@ module io_history
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
+   use base_file, only: file_exists, output_file_t, read_file, write_file
    use base_kinds, only: int64, wp
+   use base_number_text, only: integer_text, real_text
    use base_text, only: buffer_t
-   use base_units, only: output_units_t
-   use io_file, only: file_exists, output_file_t, read_file, write_file
+   use deck_units, only: output_units_t
    use io_table_rows, only: add_to_mark, keep_rows, mark_size
-   use io_text, only: integer_text, real_text
    implicit none
    private
 

@@ -7,12 +7,12 @@
 module io_lock
    use base_clock, only: clock_text
    use base_error, only: error_t, exit_file, fail
+   use base_file, only: file_exists, join_path, make_folder, read_file, remove_file, rename_file
    use base_kinds, only: int64
+   use base_libc, only: c_close, c_getpid, c_kill, c_open, c_readlink, c_rmdir, c_time, c_usleep, &
+      c_write, failure_number, failure_text
    use base_process, only: node_name
    use base_text, only: number, split, text_t
-   use io_file, only: file_exists, join_path, make_folder, read_file, remove_file, rename_file
-   use io_libc, only: c_close, c_getpid, c_kill, c_open, c_readlink, c_rmdir, c_time, c_usleep, &
-      c_write, failure_number, failure_text
    use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_loc, c_null_char, c_null_ptr, c_size_t
    implicit none
    private

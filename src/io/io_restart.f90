@@ -5,12 +5,12 @@ module io_restart
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
    use base_field_worker, only: field_worker_t
+   use base_file, only: longest_path
    use base_hash, only: add_hash, hash_integers, hash_reals, hash_text
    use base_kinds, only: int64, wp
+   use deck_changes, only: changes_t, compare_decks
    use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, head_check
-   use io_deck_changes, only: changes_t, compare_decks
    use io_digest, only: field_key
-   use io_file, only: longest_path
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_hdf5_write, only: even_rows, rows_t
    use io_seal, only: check_seal, checkpoint_schema

@@ -8,10 +8,10 @@ module io_seal
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
+   use base_file, only: file_size, output_file_t
    use base_hash, only: add_hash, digest_text, hash_integers, mix
    use base_kinds, only: int64
-   use io_file, only: file_size, output_file_t
-   use io_libc, only: failure_text
+   use base_libc, only: failure_text
    implicit none
    private
 

@@ -6,10 +6,10 @@ module io_series
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t
-   use io_file, only: join_path, list_folder, longest_name, name_of, write_file
+   use base_file, only: join_path, list_folder, longest_name, name_of, write_file
+   use base_number_text, only: real_text
    use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
    use io_summary, only: json_quoted
-   use io_text, only: real_text
    implicit none
    private
 

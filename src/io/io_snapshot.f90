@@ -7,17 +7,17 @@ module io_snapshot
    use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
-   use base_units, only: dimension_of, output_units_t, system_si
+   use deck_units, only: dimension_of, output_units_t, system_si
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-   use io_fields, only: choose_columns, column_t, fill_integers, fill_reals, picks_t
-   use io_fragments, only: labels_t
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data, write_names
    use io_level, only: even_chunks, level_integers, level_reals, level_rows
    use io_order, only: store_rows
-   use io_pick, only: pick_rule_t
    use, intrinsic :: iso_fortran_env, only: real32
    use particle_store, only: store_t
+   use sample_fields, only: choose_columns, column_t, fill_integers, fill_reals, picks_t
+   use sample_fragments, only: labels_t
+   use sample_pick, only: pick_rule_t
    implicit none
    private
 

@@ -2,10 +2,10 @@
 !> Writes JSON, for the summary of a run.
 module io_summary
    use base_error, only: error_t
+   use base_file, only: write_file
    use base_kinds, only: int32, int64, wp
+   use base_number_text, only: integer_text, real_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use io_file, only: write_file
-   use io_text, only: integer_text, real_text
    implicit none
    private
 

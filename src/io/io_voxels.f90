@@ -6,10 +6,10 @@
 module io_voxels
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
+   use base_file, only: folder_of, join_path, read_file
    use base_kinds, only: int64, wp
    use base_text, only: join, lower, number, shortened, split, text_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use io_file, only: folder_of, join_path, read_file
    use io_hdf5_read, only: hdf5_source_t
    use, intrinsic :: iso_fortran_env, only: int16, int32, int8, real32, real64
    use particle_voxels, only: mark_voxel

@@ -5,7 +5,7 @@ module io_walls
    use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
-   use base_units, only: system_si
+   use deck_units, only: system_si
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: rows_of_root, rows_t, write_bytes, write_data, write_names
    use io_snapshot, only: snapshot_header_t, write_provenance, write_units

@@ -4,8 +4,8 @@ module library_fields
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
    use base_text, only: number
-   use particle_store, only: store_t
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_null_ptr, c_ptr
+   use particle_store, only: store_t
    implicit none
    private
 

@@ -8,13 +8,13 @@ module library_interface
    use base_error, only: error_t, exit_input, exit_internal, exit_success, fail
    use base_kinds, only: int64, wp
    use base_text, only: text_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, &
+      c_int64_t, c_loc, c_null_ptr, c_ptr
    use library_controls, only: control_names, get_control, set_control
    use library_fields, only: field_list, field_view_t, find_field
    use library_session, only: library_session_t
    use library_text, only: from_c, to_c, words_from_c
    use step_sort_particles, only: count_particles
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, &
-      c_int64_t, c_loc, c_null_ptr, c_ptr
    implicit none
    private
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A simulation in the process of another program. Like the program scree it uses `program_session`,
+!> A simulation in the process of another program. Like the program scree it uses `run_session`,
 !! but it writes to the screen only on request, and does not change the signals and the number of
 !! threads of the caller.
 module library_session
@@ -7,14 +7,14 @@ module library_session
    use base_error, only: error_t, exit_input, exit_success, fail
    use base_kinds, only: int64, wp
    use base_text, only: text_t
-   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use program_command, only: command_t
-   use program_command_line, only: parse_command_line
-   use program_run_setup, only: build_setup, read_setup
-   use program_messages, only: add_codes, with_code
-   use program_session, only: advance_run, begin_run, end_run, limit_threads, session_t
-   use program_threads, only: share_cores
    use, intrinsic :: iso_c_binding, only: c_char
+   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+   use program_command_line, only: parse_command_line
+   use run_command, only: command_t
+   use run_messages, only: add_codes, with_code
+   use run_session, only: advance_run, begin_run, end_run, limit_threads, session_t
+   use run_setup, only: build_setup, read_setup
+   use run_threads, only: share_cores
    implicit none
    private
 

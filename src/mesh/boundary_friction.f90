@@ -2,9 +2,9 @@
 !> Rigid walls with Coulomb friction, from which material may separate. Equation (M.24) of
 !! doc/theory/method.md.
 module boundary_friction
-   use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
    use mesh_boundary_condition, only: boundary_condition_t, inward_sign, normal_direction, yes
    implicit none
    private

@@ -5,9 +5,9 @@
 !! One call applies a condition to all nodes of a tile on one boundary, so the cost of dynamic
 !! dispatch is negligible. The defaults are those of a closed wall without further action.
 module mesh_boundary_condition
-   use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
    use mesh_grid, only: grid_t
    implicit none
    private

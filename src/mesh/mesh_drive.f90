@@ -2,8 +2,8 @@
 !> How a periodic cell is driven: the velocity gradient of a stage of the deck, and the axes with
 !! prescribed stress. Equation (G.3) of doc/theory/grains.md.
 module mesh_drive
-   use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
+   use deck_reader, only: deck_t, group_t
    use mesh_box, only: box_t
    implicit none
    private

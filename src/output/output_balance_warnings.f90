@@ -4,12 +4,12 @@ module output_balance_warnings
    use base_kinds, only: wp
    use base_log, only: log_t
    use ddmp_dual, only: surface_fill
-   use io_trust_record, only: trust_angular, trust_damped, trust_energy, trust_momentum, &
-      trust_noise, trust_ok, trust_t, verdict_of
    use material_kinds, only: stores_work
    use step_ledger, only: balance_t
    use step_method, only: method_t
    use step_simulation, only: simulation_t
+   use step_trust_record, only: trust_angular, trust_damped, trust_energy, trust_momentum, &
+      trust_noise, trust_ok, trust_t, verdict_of
    implicit none
    private
 

@@ -2,10 +2,10 @@
 !> Writes checkpoints of a run and resumes from them.
 module output_checkpoint
    use base_error, only: error_t, exit_file, fail
+   use base_file, only: file_exists, join_path, longest_path
    use base_kinds, only: int64, wp
+   use deck_changes, only: changes_t
    use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, checkpoint_write
-   use io_deck_changes, only: changes_t
-   use io_file, only: file_exists, join_path, longest_path
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
    use output_former_run, only: is_own_checkpoint
@@ -15,7 +15,7 @@ module output_checkpoint
    use step_body_force, only: update_gravity
    use step_exact_error, only: load_errors, save_errors
    use step_simulation, only: simulation_t
-   use io_trust_record, only: load_trust, save_trust
+   use step_trust_record, only: load_trust, save_trust
    implicit none
    private
 

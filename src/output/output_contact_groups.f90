@@ -2,7 +2,7 @@
 !> Groups of material that can be in one fragment: the bodies of a velocity field, and of fields
 !! that bonds join.
 module output_contact_groups
-   use io_fragments, only: fragments_t
+   use sample_fragments, only: fragments_t
    use step_simulation, only: simulation_t
    use transfer_contact, only: contact_bonded
    implicit none

@@ -2,10 +2,10 @@
 !> The groups &output, &checkpoint and &log: declared and checked. The keys of a kind of output
 !! belong to its own module.
 module output_deck
-   use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: changes_extent, changes_nothing, schema_t
    use base_text, only: brief
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: changes_extent, changes_nothing, schema_t
    use output_catalogue, only: choose_stream, stream_names
    use output_field_names, only: check_field_names
    use output_schedule, only: check_schedule, declare_schedule

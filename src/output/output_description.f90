@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Description of the run for output files and checkpoints.
 module output_description
-   use base_deck, only: deck_t, group_t
-   use base_units, only: system_number, system_si
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
+   use deck_reader, only: deck_t, group_t
+   use deck_units, only: system_number, system_si
    use io_checkpoint, only: checkpoint_place_t
    use mesh_boundary, only: face_names
    use output_streams, only: outputs_t

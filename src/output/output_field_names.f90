@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The key `fields` of &output. Each name is checked, so that all wrong names are reported.
 module output_field_names
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
-   use base_schema, only: schema_t
    use base_text, only: text_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use output_stream, only: field_length, stream_t
    use particle_store, only: store_t
    use step_simulation, only: simulation_t

@@ -3,10 +3,10 @@
 !! accident, and removed on request. The echo of that run names its streams.
 module output_former_run
    use base_error, only: error_t
-   use base_text, only: append, text_t
-   use io_deck_changes, only: echo_streams
-   use io_file, only: file_exists, join_path, list_folder, longest_name, read_file, real_path, &
+   use base_file, only: file_exists, join_path, list_folder, longest_name, read_file, real_path, &
       remove_file
+   use base_text, only: append, text_t
+   use deck_changes, only: echo_streams
    use output_catalogue, only: choose_stream, stream_names
    use output_stream, only: stream_file, stream_t
    implicit none

@@ -4,14 +4,14 @@
 module output_history_columns
    use base_error, only: error_t, exit_input, fail
    use base_exact_sum, only: exact_sum_t
+   use base_exact_totals, only: totals_over_ranks
    use base_kinds, only: wp
    use base_text, only: append, closest, text_t
-   use base_exact_totals, only: totals_over_ranks
-   use io_pick, only: pick_rule_t
-   use io_profile, only: half_size, profile_rows, profile_t
    use mesh_grid, only: grid_t
    use output_table_stream, only: heading_length
    use particle_store, only: store_t
+   use sample_pick, only: pick_rule_t
+   use sample_profile, only: half_size, profile_rows, profile_t
    use step_diagnostics, only: examine_shapes, shapes_sample_t
    use step_exact_error, only: error_columns, measure_errors
    use step_ledger, only: balance_t, clear_meaningless, ledger_entries, mass, momentum, &

@@ -5,8 +5,8 @@
 !! and stays closed if one has the same region, bodies and kind of stress. A load that is new at the
 !! restart acts on the material that is in its region then.
 module output_load_state
-   use base_kinds, only: int64, wp
    use base_error, only: error_t
+   use base_kinds, only: int64, wp
    use io_state, only: state_t
    use mesh_surface_load, only: mark_columns, surface_load_t
    use scene_load, only: mark_particles

@@ -3,11 +3,11 @@
 !! time step is not adapted to it: an output is written after the first step that reaches its time.
 module output_schedule
    use base_constants, only: unset
-   use base_deck, only: deck_t, group_t
-   use base_deck_group, only: unset_integer
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
    use base_text, only: number
+   use deck_group_values, only: unset_integer
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    implicit none
    private
 

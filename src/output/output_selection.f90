@@ -3,12 +3,12 @@
 !! kinds of output have them.
 module output_selection
    use base_constants, only: unset
-   use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
    use base_text, only: text_t
-   use io_pick, only: pick_rule_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use mesh_grid, only: grid_t
+   use sample_pick, only: pick_rule_t
    use scene_regions, only: named_shape_t
    implicit none
    private

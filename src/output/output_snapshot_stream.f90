@@ -2,11 +2,11 @@
 !> A stream that writes a file for each time: snapshots of particles or of the grid.
 module output_snapshot_stream
    use base_communicator, only: communicator_t
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
    use base_text, only: brief, size_text
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use io_series, only: series_t
    use io_snapshot, only: snapshot_format_t, snapshot_header_t
    use output_stream, only: field_length, stream_t

@@ -2,10 +2,10 @@
 !> The column of a table whose level ends a run (`stop_when = 'above'` and `'below'`). It is
 !! compared whenever the table gets a row, so it costs nothing in other steps.
 module output_stop_quantity
-   use base_deck, only: deck_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_text, only: append, brief, closest, text_t
+   use deck_reader, only: deck_t
    use io_state, only: state_t
    use output_stream, only: stream_holder_t
    use output_table_stream, only: heading_length, table_stream_t

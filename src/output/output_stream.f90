@@ -3,14 +3,14 @@
 !! one, in a file stream_KIND.f90; CMakeLists.txt lists the kinds.
 module output_stream
    use base_communicator, only: communicator_t
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
-   use io_fragments, only: fragments_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use io_snapshot, only: snapshot_header_t
    use output_schedule, only: schedule_t
    use particle_store, only: store_t
+   use sample_fragments, only: fragments_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none

@@ -2,17 +2,17 @@
 !> All streams of output of a run: planned from the deck, opened, written when due, closed.
 module output_streams
    use base_communicator, only: communicator_t
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_text, only: number, text_t
-   use io_fragments, only: fragments_t
+   use deck_reader, only: deck_t, group_t
    use io_snapshot, only: snapshot_header_t
    use io_state, only: state_t
    use output_catalogue, only: choose_stream, stream_names
    use output_schedule, only: read_schedule
    use output_stop_quantity, only: stop_quantity_t
    use output_stream, only: stream_file, stream_holder_t, stream_t
+   use sample_fragments, only: fragments_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none

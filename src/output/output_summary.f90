@@ -24,7 +24,7 @@ module output_summary
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
    use step_trust, only: final_trust
-   use io_trust_record, only: add_trust, trust_t, trust_text
+   use step_trust_record, only: add_trust, trust_t, trust_text
    implicit none
    private
 

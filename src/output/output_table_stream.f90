@@ -2,10 +2,10 @@
 !> A stream that is one table, which grows by rows at each time.
 module output_table_stream
    use base_communicator, only: communicator_t
-   use base_deck, only: deck_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_text, only: brief
+   use deck_reader, only: deck_t
    use io_history, only: history_t
    use io_snapshot, only: snapshot_header_t
    use io_table_rows, only: mark_size

@@ -3,8 +3,8 @@
 !! written once per run. See doc/developer/decisions.md (Files) for the reason.
 module output_walls
    use base_error, only: error_t
+   use base_file, only: join_path
    use base_kinds, only: wp
-   use io_file, only: join_path
    use io_walls, only: never, walls_t, walls_write
    use mesh_boundary, only: boundary_t, face_names
    use mesh_grid, only: grid_t

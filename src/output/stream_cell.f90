@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Output of a periodic cell that deforms: its stress, strain and edges over time.
 module stream_cell
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use output_table_stream, only: heading_length, table_stream_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t

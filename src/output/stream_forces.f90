@@ -3,13 +3,13 @@
 !! regions, and of contact forces between bodies. Equation (O.2) of doc/theory/instruments.md and
 !! equation (C.16) of doc/theory/contact.md.
 module stream_forces
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_exact_sum, only: exact_sum_t
-   use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
-   use base_text, only: append, closest, text_t
    use base_exact_totals, only: totals_over_ranks
+   use base_kinds, only: int64, wp
+   use base_text, only: append, closest, text_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use mesh_boundary, only: face_names
    use mesh_wall, only: wall_t
    use mesh_wall_sums, only: wall_entries

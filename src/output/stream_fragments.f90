@@ -2,14 +2,14 @@
 !> Output of fragments: a table with a row for each connected piece of material.
 module stream_fragments
    use base_constants, only: unset
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
-   use io_fragments, only: fragment_columns, fragment_rows, fragments_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use output_contact_groups, only: separate_bodies_in_contact
    use output_selection, only: declare_selection, read_selection
    use output_table_stream, only: heading_length, table_stream_t
+   use sample_fragments, only: fragment_columns, fragment_rows, fragments_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none

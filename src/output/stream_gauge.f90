@@ -1,20 +1,20 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Output of a gauge: a table of the signal of an instrument at one position, one row per time.
 module stream_gauge
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
    use base_text, only: brief
-   use io_gauge, only: at_point, find_nearest, gauge_row, gauge_t, on_particle, on_surface, &
-      over_selection
-   use io_means, only: at_gauges, choose_means, mean_t
-   use io_profile, only: field_columns
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use output_field_names, only: declare_fields, read_fields
    use output_selection, only: declare_selection, read_selection
    use output_stream, only: field_length
    use output_table_stream, only: heading_length, table_stream_t
    use particle_store, only: store_t
+   use sample_gauge, only: at_point, find_nearest, gauge_row, gauge_t, on_particle, on_surface, &
+      over_selection
+   use sample_means, only: at_gauges, choose_means, mean_t
+   use sample_profile, only: field_columns
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
@@ -22,7 +22,7 @@ module stream_gauge
 
    public :: stream_gauge_t
 
-   !> Words of the key `gauge`, in the order of the constants of io_gauge.
+   !> Words of the key `gauge`, in the order of the constants of sample_gauge.
    character(len=*), parameter :: words = "point particle surface mean"
    !> Words of the key `side`: axis 1 to 3, lower side first.
    character(len=2), parameter :: sides(6) = ["-x", "+x", "-y", "+y", "-z", "+z"]

@@ -1,20 +1,20 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Output of means over the particles of each cell: a file for each time.
 module stream_grid
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
    use base_text, only: brief
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use io_grid, only: grid_write
-   use io_means, only: choose_means, in_cells, mean_t
-   use io_pick, only: pick_rule_t
    use io_snapshot, only: snapshot_header_t
    use mesh_grid, only: grid_t
    use output_field_names, only: declare_fields, read_fields
    use output_selection, only: declare_selection, read_selection
    use output_snapshot_stream, only: limit_files, snapshot_stream_t
    use particle_store, only: store_t
+   use sample_means, only: choose_means, in_cells, mean_t
+   use sample_pick, only: pick_rule_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Output of a history: a table with a row for each time, by default the whole ledger.
 module stream_history
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use output_field_names, only: declare_fields, read_fields
    use output_history_columns, only: choose_history, history_columns_t, history_row
    use output_selection, only: declare_selection, read_selection

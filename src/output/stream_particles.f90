@@ -1,18 +1,18 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Output of particles: a file for each time.
 module stream_particles
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_schema, only: schema_t
-   use io_fields, only: choose_columns, column_t
-   use io_fragments, only: fragment_labels, fragments_t, labels_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use io_snapshot, only: snapshot_header_t, snapshot_write
    use output_contact_groups, only: separate_bodies_in_contact
    use output_field_names, only: declare_fields, read_fields
    use output_selection, only: declare_selection, declare_stride, read_selection
    use output_snapshot_stream, only: snapshot_stream_t
    use particle_store, only: store_t
+   use sample_fields, only: choose_columns, column_t
+   use sample_fragments, only: fragment_labels, fragments_t, labels_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none

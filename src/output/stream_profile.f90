@@ -1,17 +1,17 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Output of a profile: a table of means over the particles in bins along an axis.
 module stream_profile
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
-   use io_means, only: choose_means, highest, in_bins, mean_t
-   use io_profile, only: profile_columns, profile_rows, profile_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use output_field_names, only: declare_fields, read_fields
    use output_selection, only: declare_axis, declare_selection, read_axis, read_selection
    use output_stream, only: field_length
    use output_table_stream, only: heading_length, table_stream_t
    use particle_store, only: store_t
+   use sample_means, only: choose_means, highest, in_bins, mean_t
+   use sample_profile, only: profile_columns, profile_rows, profile_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none

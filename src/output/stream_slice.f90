@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Output of the particles near a plane: a file for each time.
 module stream_slice
-   use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_schema, only: schema_t
+   use deck_reader, only: deck_t, group_t
+   use deck_schema, only: schema_t
    use output_selection, only: declare_axis, read_plane
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t

@@ -6,7 +6,7 @@
 module particle_store
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
-   use constitutive_state, only: material_state_t
+   use material_state, only: material_state_t
    use particle_tile_ranges, only: tile_ranges_t
    implicit none
    private

@@ -3,16 +3,16 @@
 !! checkpoint, ends with the exit code for "run again", and is submitted again.
 module program_batch_job
    use base_clock, only: clock_seconds, clock_text
-   use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_again, exit_input, fail
+   use base_file, only: program_path
    use base_kinds, only: int64, wp
    use base_text, only: line_end, number
-   use io_file, only: program_path
+   use deck_override, only: removal_mark
    use program_command_line, only: program_arguments
-   use program_cost_report, only: memory_bytes
    use program_job_templates, only: job_template
-   use program_launcher, only: launch_text, srun_setting
-   use program_run_setup, only: run_setup_t
+   use run_cost_report, only: memory_bytes
+   use run_launcher, only: launch_text, srun_setting
+   use run_setup, only: run_setup_t
    implicit none
    private
 

@@ -2,13 +2,13 @@
 !> The command line: options and their values.
 module program_command_line
    use base_clock, only: clock_seconds, is_clock
-   use base_deck_override, only: removal_mark
    use base_error, only: error_t
    use base_hash, only: add_hash, hash_text, mix
    use base_names, only: text_problem
    use base_text, only: append, closest, number, text_t
-   use program_command, only: check_command, command_line_error, command_t
+   use deck_override, only: removal_mark
    use program_job_templates, only: scheduler_list, schedulers
+   use run_command, only: check_command, command_line_error, command_t
    implicit none
    private
 

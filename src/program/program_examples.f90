@@ -2,10 +2,10 @@
 !> The examples of the program: their list, and copies in new folders.
 module program_examples
    use base_error, only: error_t, exit_file, exit_input, fail
+   use base_file, only: file_exists, folder_of, join_path, list_folder, longest_name, make_folder, &
+      program_path, read_file, write_file
    use base_text, only: append, closest, join, line_end, text_t
    use base_version, only: share_folder
-   use io_file, only: file_exists, folder_of, join_path, list_folder, longest_name, make_folder, &
-      program_path, read_file, write_file
    use program_batch_job, only: quoted
    implicit none
    private

@@ -2,33 +2,33 @@
 !> scree --grains: runs a periodic cell of grains along the stages of a deck.
 module program_grains
    use base_agreement, only: agree
-   use base_deck, only: group_t
    use base_error, only: error_t, exit_success
+   use base_file, only: make_folder, remove_file, write_file
    use base_hash, only: digest_text
    use base_kinds, only: int64, wp
    use base_log, only: log_t
    use base_text, only: number
    use base_timer, only: wall_seconds
-   use base_units, only: system_number, system_si
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
+   use deck_reader, only: group_t
+   use deck_units, only: system_number, system_si
    use grains_cell, only: cell_t
    use grains_checkpoint, only: cell_hash, save_cell
    use grains_deck, only: check_grains, grains_memory, read_cell
    use grains_measures, only: energy_t, find_energy
    use grains_output, only: grains_output_t
    use grains_path, only: check_lengths, path_t, read_stages
-   use io_file, only: make_folder, remove_file, write_file
    use io_state, only: state_t
    use io_summary, only: json_t
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use program_existing_results, only: lock_case, nothing_to_restart, protect_results
    use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
    use program_information, only: version_line
-   use program_memory, only: check_memory
-   use program_messages, only: coded, with_code
-   use program_run_limits, only: read_limits
-   use program_run_setup, only: run_setup_t
+   use run_existing_results, only: lock_case, nothing_to_restart, protect_results
+   use run_limits, only: read_limits
+   use run_memory, only: check_memory
+   use run_messages, only: coded, with_code
+   use run_setup, only: run_setup_t
    use scene_run, only: check_case, set_output_units
    implicit none
    private

@@ -6,6 +6,7 @@ module program_grains_loop
    use base_log, only: log_t
    use base_text, only: number
    use base_timer, only: wall_seconds
+   use deck_changes, only: changes_t
    use grains_cell, only: cell_t
    use grains_checkpoint, only: cell_hash, load_cell, save_cell
    use grains_measures, only: energy_t, find_energy
@@ -15,15 +16,14 @@ module program_grains_loop
    use grains_step, only: advance_cell, servo_gradient, start_cell
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_checkpoint, only: checkpoint_place_t, checkpoint_write
-   use io_deck_changes, only: changes_t
    use io_lock, only: lock_t
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
    use output_former_run, only: is_own_checkpoint
    use particle_store, only: store_t
-   use program_run_limits, only: limits_t
-   use program_run_setup, only: run_setup_t
-   use program_signals, only: caught_signal, signal_name, watch_signal
+   use run_limits, only: limits_t
+   use run_setup, only: run_setup_t
+   use run_signals, only: caught_signal, signal_name, watch_signal
    implicit none
    private
 

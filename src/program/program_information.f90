@@ -4,17 +4,17 @@
 module program_information
    use base_communicator, only: communicator_t, message_passing_version
    use base_error, only: error_t
-   use base_schema, only: schema_t
-   use base_schema_text, only: explain, template
+   use base_file, only: print_text
    use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
       git_commit, version_text
+   use deck_schema, only: schema_t
+   use deck_schema_text, only: explain, template
    use io_digest, only: file_digest
-   use io_file, only: print_text
-   use program_command, only: information_request_t
    use program_examples, only: examples_text
    use program_help, only: help_text
    use program_lists, only: list_text
-   use program_messages, only: explain_message, is_message
+   use run_command, only: information_request_t
+   use run_messages, only: explain_message, is_message
    implicit none
    private
 

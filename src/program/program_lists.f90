@@ -1,15 +1,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Lists of `scree --list`: models of materials, fields, shapes, units, messages.
 module program_lists
-   use base_schema, only: schema_t
    use base_text, only: join
-   use base_units, only: unit_list
+   use deck_schema, only: schema_t
+   use deck_units, only: unit_list
    use exact_catalogue, only: exact_names
-   use io_fields, only: field_names
-   use io_means, only: profile_names
    use material_catalogue, only: damage_names, eos_names, law_names
    use output_history_columns, only: history_names
-   use program_messages, only: message_list
+   use run_messages, only: message_list
+   use sample_fields, only: field_names
+   use sample_means, only: profile_names
    implicit none
    private
 

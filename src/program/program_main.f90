@@ -2,30 +2,30 @@
 !> The program: from the command line to the exit code. The only place that prints errors.
 module program_main
    use base_error, only: error_t, exit_again, exit_input, exit_success, fail
+   use base_file, only: join_path, occupy_streams, print_text, write_file
    use base_process, only: ranks_of_launcher
    use base_text, only: append
    use base_version, only: has_ranks
-   use io_file, only: join_path, occupy_streams, print_text, write_file
    use io_hdf5, only: leave_library
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: output_unit
    use program_batch_job, only: job_text
    use program_command_line, only: parse_command_line, program_arguments
-   use program_cost_report, only: cost_report, memory_bytes
    use program_examples, only: copied_t, copy_example, next_steps
-   use program_existing_results, only: existing_results_text
    use program_grains, only: run_grains
    use program_information, only: print_information
-   use program_material_point, only: drive_point
-   use program_memory, only: end_without_memory, memory_suffices
-   use program_messages, only: add_codes, coded
    use program_preview, only: draw_preview, write_preview
-   use program_run_setup, only: build_setup, declare_deck_keys, read_setup
    use program_run_time_estimate, only: estimate_text, most_particles
    use program_self_test, only: run_self_test
-   use program_session, only: advance_run, begin_run, end_run, limit_threads, session_t
-   use program_signals, only: ignore_file_size_limit
-   use program_threads, only: share_cores, sleep_when_waiting, yield_when_waiting
+   use run_cost_report, only: cost_report, memory_bytes
+   use run_existing_results, only: existing_results_text
+   use run_material_point, only: drive_point
+   use run_memory, only: end_without_memory, memory_suffices
+   use run_messages, only: add_codes, coded
+   use run_session, only: advance_run, begin_run, end_run, limit_threads, session_t
+   use run_setup, only: build_setup, declare_deck_keys, read_setup
+   use run_signals, only: ignore_file_size_limit
+   use run_threads, only: share_cores, sleep_when_waiting, yield_when_waiting
    use scene_effects, only: effects_text
    use scene_run, only: check_case
    implicit none

@@ -5,13 +5,13 @@
 module program_preview
    use base_agreement, only: agree
    use base_error, only: error_t
+   use base_file, only: file_exists, folder_of, join_path, make_folder, program_path
    use base_kinds, only: int64, wp
-   use io_file, only: file_exists, folder_of, join_path, make_folder, program_path
    use io_series, only: series_t
    use io_snapshot, only: snapshot_format_t, snapshot_write
    use output_walls, only: write_walls
    use program_batch_job, only: quoted
-   use program_run_setup, only: run_setup_t
+   use run_setup, only: run_setup_t
    use scene_first_state, only: make_first_state
    implicit none
    private

@@ -9,9 +9,9 @@ module program_run_time_estimate
    use base_text, only: number
    use mesh_grid, only: grid_t
    use omp_lib, only: omp_get_max_threads
-   use program_run_limits, only: read_limits
-   use program_run_setup, only: read_setup, run_setup_t
    use program_trial_steps, only: run_trial, time_history_row, trial_t, warm_steps
+   use run_limits, only: read_limits
+   use run_setup, only: read_setup, run_setup_t
    use scene_body_placement, only: check_placement
    use scene_first_state, only: make_first_state
    use scene_particles, only: take_survey

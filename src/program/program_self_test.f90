@@ -6,12 +6,12 @@ module program_self_test
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_internal, fail
+   use base_file, only: join_path, make_folder, make_temporary_folder, remove_folder, write_file
    use base_kinds, only: wp
    use base_process, only: is_set, set_default
    use base_text, only: number, text_t
    use base_timer, only: wall_seconds
    use base_version, only: compiler_name, compiler_version_text, processor_family, version_text
-   use io_file, only: join_path, make_folder, make_temporary_folder, remove_folder, write_file
    use, intrinsic :: iso_fortran_env, only: output_unit
    use omp_lib, only: omp_get_max_threads
    use program_self_test_run, only: outcome_t, run_scene

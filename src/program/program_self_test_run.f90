@@ -4,11 +4,11 @@ module program_self_test_run
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_internal, exit_success, fail
+   use base_file, only: folder_of, join_path, list_folder, longest_name, name_of
    use base_hash, only: add_hash, hash_reals
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use io_digest, only: file_digest, state_digest
-   use io_file, only: folder_of, join_path, list_folder, longest_name, name_of
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_hdf5_write, only: even_rows, rows_t
    use io_order, only: tile_order
@@ -17,8 +17,8 @@ module program_self_test_run
    use output_checkpoint, only: describe_state
    use particle_store, only: store_t
    use program_command_line, only: parse_command_line
-   use program_run_setup, only: build_setup, read_setup
-   use program_session, only: advance_run, begin_run, end_run, session_t
+   use run_session, only: advance_run, begin_run, end_run, session_t
+   use run_setup, only: build_setup, read_setup
    use step_ledger, only: balance_t
    implicit none
    private

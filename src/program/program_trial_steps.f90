@@ -4,8 +4,8 @@ module program_trial_steps
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_timer, only: process_seconds, wall_seconds
-   use program_next_step, only: choose_step
-   use program_run_limits, only: limits_t
+   use run_limits, only: limits_t
+   use run_next_step, only: choose_step
    use step_advance, only: advance
    use step_exact_error, only: measure_errors
    use step_ledger, only: balance_t

@@ -25,7 +25,7 @@ LAYERS = ("base", "mesh", "constitutive", "explosive", "tabulated", "ductile", "
 PARTICLES = ("constitutive", "explosive", "tabulated", "ductile", "material", "transfer", "ddmp", "step")
 FUNCTIONS = {"exp", "exp2", "expm1", "log", "log10", "log1p", "log2", "pow", "cbrt", "sin", "cos", "sincos", "tan",
              "sinh", "cosh", "tanh", "asin", "acos", "atan", "atan2", "cexp", "clog", "cpow"}
-COLD = {"constitutive_relaxation": "turns of more than 0.4 in one step",
+COLD = {"material_relaxation": "turns of more than 0.4 in one step",
         "law_drucker_prager": "angles of the deck",
         "law_mohr_coulomb": "angles of the deck"}
 

@@ -10,12 +10,12 @@
 program fuzz_decks
    use base_error, only: error_t, exit_file, exit_input
    use base_kinds, only: wp
-   use base_schema, only: schema_t
    use base_text, only: buffer_t, lower, number, text_t
+   use deck_schema, only: schema_t
    use fuzz_mutation, only: choice_t, mutate, respell
    use fuzz_session, only: give_up, read_arguments, read_scene, write_bytes
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use program_run_setup, only: declare_deck_keys, run_setup_t
+   use run_setup, only: declare_deck_keys, run_setup_t
    implicit none
 
    real(wp), parameter :: most_points = 1.0e6_wp

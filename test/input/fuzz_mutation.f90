@@ -3,8 +3,8 @@
 module fuzz_mutation
    use base_kinds, only: int64
    use base_random, only: random_bits
-   use base_schema, only: schema_t
    use base_text, only: is_letter, lower, text_t
+   use deck_schema, only: schema_t
    implicit none
    private
 

@@ -3,14 +3,14 @@
 !! deck with all checks of `--check`, and the end with a message.
 module fuzz_session
    use base_error, only: error_t
+   use base_file, only: read_file
    use base_kinds, only: wp
-   use base_schema, only: schema_t
    use base_text, only: append, text_t
+   use deck_schema, only: schema_t
    use grains_deck, only: check_grains
-   use io_file, only: read_file
    use, intrinsic :: iso_fortran_env, only: output_unit
    use program_command_line, only: parse_command_line
-   use program_run_setup, only: build_setup, read_setup, run_setup_t
+   use run_setup, only: build_setup, read_setup, run_setup_t
    implicit none
    private
 

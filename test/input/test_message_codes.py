@@ -21,15 +21,15 @@ TABLES = [*messages.FAULTS, instruments.INSTRUMENTS]
 # Readers of files report only the error itself; their callers put this in front.
 BEFORE = {"io_stl": "cannot read the facets of '...': ", "io_points": "cannot read the points of '...': ",
           "io_voxels": "cannot read the voxels of '...': ", "io_motion": "cannot read the velocities of '...': ",
-          "io_file": "cannot ", "scene_load": "&load '...': ", "eos_table": "it left its eos_table: ",
-          "tabulated_text": "cannot use the table '...': "}
+          "base_file": "cannot ", "scene_load": "&load '...': ", "eos_table": "it left its eos_table: ",
+          "material_table_text": "cannot use the table '...': "}
 # Calls in which the text of the message is a variable, by module and beginning of the text: the text comes from other
 # calls, or decks test it.
 COMPOSED = {
-    ("base_deck_number", "must be ..."), ("base_deck_value", "...;"), ("base_deck_define", "...;"),
-    ("base_deck_number", "... such as"), ("io_fields", "output field '...' ..."), ("io_restart", "step and time"),
-    ("output_history_columns", "output field '...' ..."), ("program_command", "command line: error: ..."),
-    ("program_time_loop", "warning: ... before t_end"), ("scene_velocity_formula", "... in its component"),
+    ("deck_number", "must be ..."), ("deck_value", "...;"), ("deck_define", "...;"),
+    ("deck_number", "... such as"), ("sample_fields", "output field '...' ..."), ("io_restart", "step and time"),
+    ("output_history_columns", "output field '...' ..."), ("run_command", "command line: error: ..."),
+    ("run_time_loop", "warning: ... before t_end"), ("scene_velocity_formula", "... in its component"),
     ("output_history_columns", "...;"), ("output_history_columns", "is unknown in a history"),
     ("step_trust", "...;"), ("step_trust", "...: they no longer")}
 # The number of codes in each hundred: codes are only added, at the end.
@@ -52,7 +52,7 @@ def from_sources():
     for site in message_sites.sites(case.ROOT):
         module = site.path.split("/")[-1].removesuffix(".f90")
         if not any(module == name and site.text.startswith(text) for name, text in COMPOSED):
-            behind = " '...': ..." if module == "io_file" else ""
+            behind = " '...': ..." if module == "base_file" else ""
             yield f"{site.path}:{site.line}", BEFORE.get(module, "") + site.text + behind
 
 
@@ -79,7 +79,7 @@ class TestCodes:
         for place, text in found:
             with sheet.part(f"{place}: {text}"):
                 fits = messages.scores(text, self.patterns)[:3]
-                assert len(best(text, self.patterns)) == 1, f"{fits}; add a record to src/program/messages"
+                assert len(best(text, self.patterns)) == 1, f"{fits}; add a record to src/run/messages"
 
     def test_each_message_of_the_tables_has_one_code(self, sheet):
         """Would catch the same for messages whose texts are variables."""

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Assertions about real numbers, with the names and the order of arguments of pFUnit.
 module funit_assert_real
+   use funit_report, only: sourcelocation, throw
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use, intrinsic :: iso_fortran_env, only: wp => real64
-   use funit_report, only: sourcelocation, throw
    implicit none
    private
 

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Assertions about integers, with the names and the order of arguments of pFUnit.
 module funit_assert_whole
-   use, intrinsic :: iso_fortran_env, only: int32, int64
    use funit_report, only: sourcelocation, throw
+   use, intrinsic :: iso_fortran_env, only: int32, int64
    implicit none
    private
 

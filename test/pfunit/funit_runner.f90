@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Runs tests on one rank.
 module funit_runner
+   use funit_report, only: anyexceptions, begin_test, failures_of_test
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use funit_report, only: anyexceptions, begin_test, failures_of_test
    implicit none
    private
 

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Runs tests on several ranks.
 module pfunit_runner
-   use, intrinsic :: iso_c_binding, only: c_int
    use funit_report, only: anyexceptions, begin_test, failures_of_test, set_rank_text, throw
    use funit_runner, only: quit, summary_t
+   use, intrinsic :: iso_c_binding, only: c_int
    use mpi_f08, only: mpi_allreduce, mpi_barrier, mpi_comm, mpi_comm_free, mpi_comm_rank, &
       mpi_comm_size, mpi_comm_split, mpi_comm_world, mpi_finalize, mpi_init_thread, mpi_integer, &
       mpi_sum, mpi_thread_funneled, mpi_undefined

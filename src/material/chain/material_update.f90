@@ -1,0 +1,465 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Update of a material in a time step: a chain of models, each only if requested. Its links are
+!! equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
+module material_update
+   use base_elementary, only: exponential
+   use base_kinds, only: int64, wp
+   use material_failed, only: failed_subset_t, remove_failed_stress
+   use material_heat, only: cut_melted_tension, heat_particles
+   use material_kinematics, only: dilate
+   use material_models, only: models_t
+   use material_pore_volume, only: take_matrix_pressure, to_matrix_volume, to_matrix_volumes, &
+      to_whole_volume
+   use material_record, only: add_strain
+   use material_stages, only: stage_count, stage_deviator, stage_dilatation, stage_failed_law, &
+      stage_failure, stage_pressure, stage_remove_stress, stage_restore_stress, stage_stress, &
+      stage_temperature, stage_trial, stage_viscosity, stage_viscous_work, stage_voids
+   use material_state, only: deformation_t, material_state_t
+   use material_stress, only: assemble_pressure, assemble_stress, integrate_pressure, &
+      take_square_root
+   use material_tension, only: cut_tension, drop_loose_pressure, fail_as_rubble, &
+      fail_with_strength, remove_failed_deviator, remove_melted_deviator
+   use material_viscosity, only: add_viscous_pressure, find_viscous_work
+   use material_voids, only: expand_grains
+   implicit none
+   private
+
+   public :: chain_t
+
+   !> The models, in the order of their update in a time step.
+   type, extends(models_t) :: chain_t
+   contains
+      procedure :: find_rest_stress => chain_find_rest_stress !! Stress of a given state at rest
+      procedure :: update => chain_update            !! One time step
+      procedure :: run_stage => chain_run_stage               !! One stage of it
+      procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
+      procedure :: stored_energy => chain_stored_energy       !! Internal energy of particles
+   end type chain_t
+
+contains
+
+   !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
+   !! were set from outside: a step of zero length without deformation.
+   pure subroutine chain_find_rest_stress(self, state, first, last)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state        !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      ! Shorter than any time scale of the material, but still a valid divisor.
+      real(wp), parameter :: instant = 1.0e-100_wp
+      type(deformation_t) :: deformation
+
+      if (last < first) return
+      call deformation%reserve(last - first + 1)
+      deformation%gradient = 0.0_wp
+      deformation%jump = 0.0_wp
+      call self%update(state, deformation, first, last, instant, 1.0_wp)
+   end subroutine chain_find_rest_stress
+
+   !> Fastest signal [m/s] of a range of particles in their present state, for the first time step
+   !! of material that does not start in the reference state.
+   pure real(wp) function chain_signal_speed(self, state, first, last) result(speed)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state           !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(deformation_t) :: deformation
+      type(material_state_t) :: solid
+      integer :: count
+
+      speed = 0.0_wp
+      count = last - first + 1
+      if (count < 1) return
+      call deformation%reserve(count)
+      deformation%wave_speed(:count) = 0.0_wp
+      if (allocated(self%voids)) then
+         solid = state
+         call deformation%voids%reserve(count)
+         deformation%voids%alpha(:count) = 1.0_wp
+         call self%voids%to_solid_volume(solid, deformation, first, last)
+         call self%eos%update(solid, deformation, first, last)
+         call self%voids%to_total_volume(solid, deformation, first, last)
+      else if (allocated(state%pores%porosity)) then
+         solid = state
+         call to_matrix_volume(solid, deformation, first, last)
+         call self%eos%update(solid, deformation, first, last)
+      else if (allocated(self%eos)) then
+         call self%eos%update(state, deformation, first, last)
+      else if (self%bulk_in_rate_form()) then
+         deformation%wave_speed(:count) = self%bulk*state%volume(first:last) &
+            /state%mass(first:last)
+         deformation%pressure(:count) = -(state%stress(first:last, 1) &
+            + state%stress(first:last, 2) + state%stress(first:last, 3))/3.0_wp
+         if (allocated(state%viscous_pressure)) deformation%pressure(:count) = &
+            deformation%pressure(:count) - state%viscous_pressure(first:last)
+      end if
+      if (allocated(self%law)) call self%law%add_wave_speed(state, deformation, first, last)
+      speed = sqrt(maxval(deformation%wave_speed(:count)))
+   end function chain_signal_speed
+
+   !> One time step of a range of particles, with the gradient given and the work of the stress of
+   !! the force already in the energy: all stages in their order.
+   pure subroutine chain_update(self, state, deformation, first, last, dt, spacing)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: dt                         !! Time step [s]
+      real(wp), intent(in) :: spacing                    !! Cell size [m]
+      type(failed_subset_t) :: subset
+      integer :: stage
+
+      if (last < first) return
+      do stage = 1, stage_count
+         call self%run_stage(stage, state, deformation, first, last, dt, spacing, subset)
+      end do
+   end subroutine chain_update
+
+   !> One stage of a time step, so that a caller can time the stages.
+   ! gate: long kernel because all stages have one interface
+   pure subroutine chain_run_stage(self, stage, state, deformation, first, last, dt, spacing, &
+      subset)
+      class(chain_t), intent(in) :: self
+      integer, intent(in) :: stage                       !! One of those of material_stages
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle, not before it
+      real(wp), intent(in) :: dt                         !! Time step [s]
+      real(wp), intent(in) :: spacing                    !! Cell size [m]
+      type(failed_subset_t), intent(inout) :: subset     !! Failed particles, kept between stages
+
+      select case (stage)
+      case (stage_restore_stress)
+         if (allocated(self%failure%softening)) &
+            call self%failure%softening%restore_uncracked_stress(state, first, last)
+         if (allocated(self%failure%failed_law)) &
+            call self%failure%failed_law%gather(state, deformation, first, last, subset)
+      case (stage_dilatation)
+         if (allocated(self%voids)) call self%voids%choose_fraction(state, deformation, first, last)
+      case (stage_trial)
+         call predict_trial(self, state, deformation, first, last)
+      case (stage_voids)
+         if (allocated(self%voids)) &
+            call self%voids%update_solid_fraction(state, deformation, first, last)
+      case (stage_pressure)
+         call update_pressure(self, state, deformation, first, last)
+      case (stage_failed_law)
+         if (allocated(self%failure%failed_law)) &
+            call self%failure%failed_law%update(state, deformation, first, dt, subset)
+      case (stage_deviator)
+         if (allocated(self%law)) call update_deviator(self, state, deformation, first, last, dt)
+      case (stage_failure)
+         if (allocated(self%failure%failed_law)) &
+            call self%failure%failed_law%scatter(subset, state, deformation, first)
+         if (allocated(self%failure%softening)) &
+            call self%failure%softening%open_cracks(state, deformation, first, last, spacing)
+         if (allocated(self%damage)) call self%damage%update(state, deformation, first, last, dt)
+         call limit_tension(self, state, deformation, first, last)
+      case (stage_viscous_work)
+         if (allocated(self%viscosity)) call find_viscous_work(first, last, &
+            state%viscous_pressure, deformation%old_volume, deformation%dilatation, &
+            deformation%viscous_work)
+      case (stage_temperature)
+         if (allocated(self%heat)) call update_temperature(self, state, deformation, first, last)
+      case (stage_viscosity)
+         call find_wave_speed(self, state, deformation, first, last, spacing/dt)
+      case (stage_stress)
+         call add_pressure(self, state, deformation, first, last, spacing)
+      case (stage_remove_stress)
+         call remove_stress(self, state, deformation, first, last)
+      case default
+      end select
+   end subroutine chain_run_stage
+
+   !> Volume after the step, and the elastic trial of the deviator.
+   pure subroutine predict_trial(self, state, deformation, first, last)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      integer :: count
+
+      count = last - first + 1
+      deformation%plastic_work(:count) = 0.0_wp
+      deformation%viscous_work(:count) = 0.0_wp
+      deformation%plastic_increment(:count) = 0.0_wp
+      if (allocated(state%recorded%equivalent_strain)) call add_strain(first, last, &
+         deformation%plane, deformation%gradient, state%recorded%equivalent_strain)
+      if (allocated(self%law)) then
+         call self%law%predict_trial(state, deformation, first, last)
+      else
+         call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
+            deformation%dilatation)
+      end if
+   end subroutine predict_trial
+
+   !> Viscous pressure of the next step, and the wave speed from its square.
+   pure subroutine find_wave_speed(self, state, deformation, first, last, rate)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: rate                       !! Cell size over time step [m/s]
+
+      if (.not. allocated(self%viscosity)) then
+         call take_square_root(last - first + 1, deformation%wave_speed)
+      else if (self%viscosity%limited) then
+         call add_viscous_pressure(first, last, self%viscosity, rate, state%mass, state%volume, &
+            deformation%jump, state%viscous_pressure, deformation%pressure, &
+            deformation%wave_speed)
+      else
+         call add_viscous_pressure(first, last, self%viscosity, rate, state%mass, state%volume, &
+            deformation%dilatation, state%viscous_pressure, deformation%pressure, &
+            deformation%wave_speed)
+      end if
+   end subroutine find_wave_speed
+
+   !> Stress from deviator and pressure, and the contribution of the viscosity of a law to the wave
+   !! speed.
+   pure subroutine add_pressure(self, state, deformation, first, last, spacing)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: spacing                    !! Cell size [m]
+
+      if (allocated(self%law)) then
+         call self%law%add_viscous_speed(state, deformation, first, last, spacing)
+         call assemble_stress(first, last, deformation%pressure, state%stress)
+      else
+         call assemble_pressure(first, last, deformation%pressure, state%stress)
+      end if
+   end subroutine add_pressure
+
+   !> Set the stress of failed particles to zero, if requested.
+   pure subroutine remove_stress(self, state, deformation, first, last)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (.not. allocated(self%failure%fracture)) return
+      if (.not. self%failure%fracture%leaves_nothing) return
+      call remove_failed_stress(first, last, state%failed, state%stress, deformation%wave_speed)
+      if (allocated(self%viscosity)) state%viscous_pressure(first:last) = &
+         merge(0.0_wp, state%viscous_pressure(first:last), state%failed(first:last) /= 0)
+   end subroutine remove_stress
+
+   !> Pressure of the material, and the square of its wave speed without strength.
+   pure subroutine update_pressure(self, state, deformation, first, last)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (allocated(self%voids)) then
+         call self%voids%to_solid_volume(state, deformation, first, last)
+         call self%eos%update(state, deformation, first, last)
+         call add_bulking(state, deformation, first, last)
+         call self%voids%to_total_volume(state, deformation, first, last)
+      else if (allocated(state%pores%porosity)) then
+         call to_matrix_volume(state, deformation, first, last)
+         call self%eos%update(state, deformation, first, last)
+         call take_matrix_pressure(state, deformation, first, last)
+      else if (allocated(self%eos)) then
+         call self%eos%update(state, deformation, first, last)
+         if (allocated(self%burn)) call self%burn%apply(first, last, state%burn_time, &
+            state%mass, state%volume, deformation%pressure)
+         call add_bulking(state, deformation, first, last)
+         call self%eos%keep_state(state, deformation, first, last)
+      else if (self%bulk_in_rate_form()) then
+         if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
+            deformation%pressure(:last - first + 1) - state%viscous_pressure(first:last)
+         call integrate_pressure(first, last, self%bulk, state%mass, state%volume, &
+            deformation%dilatation, deformation%pressure, deformation%wave_speed)
+      else
+         deformation%wave_speed(:last - first + 1) = 0.0_wp
+      end if
+   end subroutine update_pressure
+
+   !> Add the pressure made by fracture, if any, to that of the equation of state.
+   pure subroutine add_bulking(state, deformation, first, last)
+      type(material_state_t), intent(in) :: state               !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (allocated(state%brittle%bulking)) deformation%pressure(:last - first + 1) = &
+         deformation%pressure(:last - first + 1) + state%brittle%bulking(first:last)
+   end subroutine add_bulking
+
+   !> Deviator of stress, and the contribution of strength to the square of the wave speed.
+   pure subroutine update_deviator(self, state, deformation, first, last, dt)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: dt                         !! Time step [s]
+
+      ! Before the law, so that material without strength does not flow plastically.
+      if (drops(self)) call remove_failed_deviator(first, last, state%failed, state%stress)
+      if (allocated(self%melting)) &
+         call remove_melted_deviator(first, last, self%melting, state%temperature, state%stress)
+      call self%law%update(state, deformation, first, last, dt)
+      call self%law%add_wave_speed(state, deformation, first, last)
+   end subroutine update_deviator
+
+   !> True if failed material loses its deviator before the law of strength.
+   pure logical function drops(self) result(must_not)
+      class(chain_t), intent(in) :: self
+
+      must_not = .false.
+      if (allocated(self%failure%fracture)) must_not = allocated(self%failure%failed_law) .or. &
+         .not. self%failure%fracture%leaves_strength
+   end function drops
+
+   !> Let particles fail.
+   pure subroutine break_or_fail(self, state, deformation, first, last)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (self%failure%fracture%leaves_strength) then
+         call fail_with_strength(first, last, self%failure%fracture%strength, self%bulk, &
+            state%volume, deformation%pressure, deformation%pressure_floor, state%damage, &
+            state%failed, deformation%plastic_work)
+      else
+         call fail_as_rubble(first, last, self%failure%fracture%strength, self%shear, self%bulk, &
+            state%volume, state%stress, deformation%pressure, deformation%pressure_floor, &
+            state%damage, state%failed, deformation%plastic_work)
+      end if
+   end subroutine break_or_fail
+
+   !> Cut the tension or let particles fail.
+   pure subroutine limit_tension(self, state, deformation, first, last)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (allocated(self%failure%fracture)) then
+         call break_or_fail(self, state, deformation, first, last)
+         if (.not. allocated(self%eos)) call drop_loose_pressure(first, last, self%density, &
+            self%bulk, &
+            state%mass, state%volume, state%failed, deformation%pressure, &
+            deformation%wave_speed)
+      else if (allocated(self%failure%spall)) then
+         call cut_tension(first, last, self%failure%spall%strength, deformation%pressure, &
+            deformation%pressure_floor)
+      else if (allocated(self%heat)) then
+         deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
+      end if
+      if (allocated(self%melting)) call cut_melted_tension(first, last, self%melting, &
+         state%temperature, deformation%pressure, deformation%pressure_floor)
+   end subroutine limit_tension
+
+   !> Temperature after the step.
+   pure subroutine update_temperature(self, state, deformation, first, last)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp) :: plastic_share
+
+      plastic_share = 0.9_wp
+      if (allocated(self%law)) then
+         plastic_share = self%law%heat_share
+         deformation%pressure_floor(:last - first + 1) = max(self%law%least_pressure(), &
+            deformation%pressure_floor(:last - first + 1))
+      end if
+      if (allocated(self%voids)) &
+         deformation%voids%old_temperature(:last - first + 1) = state%temperature(first:last)
+      if (allocated(self%voids)) call self%voids%to_solid_volumes(state, deformation, first, last)
+      if (allocated(state%pores%porosity)) &
+         call to_matrix_volumes(state, deformation, first, last)
+      if (has_temperature(self)) then
+         call self%eos%find_temperature(state, first, last)
+      else
+         deformation%gruneisen(:last - first + 1) = 0.0_wp
+         if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
+         call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
+            deformation%gruneisen, state%mass, state%volume, deformation%old_volume, &
+            deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
+            deformation%viscous_work, state%temperature)
+      end if
+      if (allocated(state%pores%porosity)) &
+         call to_whole_volume(state, deformation, first, last)
+      if (.not. allocated(self%voids)) return
+      state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
+      call expand_grains(first, last, self%voids%expansion, state%temperature, &
+         deformation%voids%old_temperature, state%solid_fraction)
+   end subroutine update_temperature
+
+   !> True if the equation of state gives the temperature.
+   pure logical function has_temperature(self) result(has)
+      class(chain_t), intent(in) :: self
+
+      has = .false.
+      if (allocated(self%eos)) has = self%eos%gives_temperature()
+   end function has_temperature
+
+   !> True if a particle has failed and keeps no stress.
+   pure logical function gone(self, state, particle) result(is_gone)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state           !! State of the store
+      integer, intent(in) :: particle                       !! Index in the store
+
+      is_gone = .false.
+      if (.not. allocated(self%failure%fracture)) return
+      is_gone = self%failure%fracture%leaves_nothing .and. state%failed(particle) /= 0
+   end function gone
+
+   !> Internal energy [J] of particles: the energy field if there is one, otherwise the elastic
+   !! energy. Equation (L.2) of doc/theory/ledger.md.
+   pure subroutine chain_stored_energy(self, state, first, last, energy)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state           !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
+      real(wp) :: limit, pressure, volume
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         if (allocated(state%energy)) then
+            energy(i) = state%mass(k)*state%energy(k)
+            cycle
+         end if
+         energy(i) = 0.0_wp
+         if (gone(self, state, k)) cycle
+         limit = -huge(1.0_wp)
+         if (allocated(self%law)) then
+            energy(i) = self%law%stored_energy(state, k)
+            limit = self%law%least_pressure()
+         end if
+         if (allocated(self%eos)) then
+            if (allocated(self%failure%spall)) limit = max(limit, -self%failure%spall%strength)
+            if (allocated(state%failed)) limit = merge(0.0_wp, limit, state%failed(k) /= 0)
+            volume = state%volume(k)
+            if (allocated(state%solid_fraction)) volume = volume*state%solid_fraction(k)
+            if (allocated(state%plastic_dilation)) volume = volume &
+               *exponential(-state%plastic_dilation(k))
+            energy(i) = energy(i) + self%eos%stored_energy(state%mass(k), volume, limit)
+         else if (self%bulk_in_rate_form()) then
+            pressure = -sum(state%stress(k, 1:3))/3.0_wp
+            if (allocated(state%viscous_pressure)) pressure = pressure - state%viscous_pressure(k)
+            energy(i) = energy(i) + state%volume(k)*pressure**2/(2.0_wp*self%bulk)
+         end if
+         if (allocated(self%failure%softening)) energy(i) = energy(i) &
+            + self%failure%softening%hidden_energy(state, k, .not. allocated(self%eos))
+      end do
+   end subroutine chain_stored_energy
+end module material_update

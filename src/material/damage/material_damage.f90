@@ -1,0 +1,136 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Abstract damage model: the damage of a particle grows from 0 to 1.
+module material_damage
+   use base_kinds, only: int64, wp
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
+   use material_brittle, only: slice_t
+   use material_effects, only: effects_t
+   use material_field_requests, only: field_requests_t
+   use material_law, only: law_t
+   use material_state, only: deformation_t, material_state_t
+   implicit none
+   private
+
+   public :: damage_t
+
+   !> A damage model. The material sets the flag of failure where damage has reached 1.
+   type, abstract :: damage_t
+      real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
+      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+      real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
+      type(slice_t) :: slice                         !! Extent in directions that are not computed
+   contains
+      procedure(declare_i), deferred :: declare      !! Declares its keys
+      procedure :: fault => damage_fault             !! Error in the combination of its keys
+      procedure :: needs_flow => damage_needs_flow   !! True if it uses plastic strain
+      procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
+      procedure :: needs_weibull => damage_needs_weibull !! True if it needs a Weibull modulus
+      procedure :: uses_jc_rate => damage_uses_jc_rate !! True if it reads the key jc_rate
+      !> True if the law of strength also gives the stress of failed material
+      procedure :: leaves_strength => damage_leaves_strength
+      procedure(read_i), deferred :: read            !! Reads its keys
+      procedure(request_i), deferred :: request      !! Requests the fields it needs
+      procedure :: draw_strength => damage_draw_strength !! Random strength of particles
+      procedure(update_i), deferred :: update        !! Damage after the step
+   end type damage_t
+
+   abstract interface
+      subroutine declare_i(self, schema)
+         import :: damage_t, schema_t
+         implicit none
+         class(damage_t), intent(in) :: self
+         type(schema_t), intent(inout) :: schema
+      end subroutine declare_i
+
+      pure subroutine read_i(self, group, effects)
+         import :: damage_t, effects_t, group_t
+         implicit none
+         class(damage_t), intent(inout) :: self
+         type(group_t), intent(in) :: group                    !! &material
+         type(effects_t), intent(in) :: effects
+      end subroutine read_i
+
+      pure subroutine request_i(self, requests)
+         import :: damage_t, field_requests_t
+         implicit none
+         class(damage_t), intent(in) :: self
+         class(field_requests_t), intent(inout) :: requests
+      end subroutine request_i
+
+      !> On entry the stress holds the deviator that the law of strength has corrected; pressure and
+      !! plastic increment are those after the step.
+      pure subroutine update_i(self, state, deformation, first, last, dt)
+         import :: damage_t, deformation_t, material_state_t, wp
+         implicit none
+         class(damage_t), intent(in) :: self
+         type(material_state_t), intent(inout) :: state               !! State of the store
+         type(deformation_t), intent(inout) :: deformation     !! Step of the range
+         integer, intent(in) :: first                          !! First particle of the range
+         integer, intent(in) :: last                           !! Last particle of the range
+         real(wp), intent(in) :: dt                            !! Time step [s]
+      end subroutine update_i
+   end interface
+
+contains
+
+   !> Error in the combination of the keys of the model; empty if there is none.
+   pure function damage_fault(self, group, law) result(text)
+      class(damage_t), intent(in) :: self
+      type(group_t), intent(in) :: group                       !! &material
+      class(law_t), allocatable, intent(in) :: law             !! Law of strength, if there is one
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function damage_fault
+
+   !> True if the model uses the plastic strain, so that it needs a law with plastic flow.
+   pure logical function damage_needs_flow(self) result(needs)
+      class(damage_t), intent(in) :: self
+
+      needs = .true.
+   end function damage_needs_flow
+
+   !> True if the strength of particles may scatter.
+   pure logical function damage_takes_scatter(self) result(takes)
+      class(damage_t), intent(in) :: self
+
+      takes = .false.
+   end function damage_takes_scatter
+
+   !> True if the model needs a Weibull modulus; by default if its strength scatters.
+   pure logical function damage_needs_weibull(self, scatter) result(needs)
+      class(damage_t), intent(in) :: self
+      logical, intent(in) :: scatter                           !! Switch size_scatter of &effects
+
+      needs = scatter .and. self%takes_scatter()
+   end function damage_needs_weibull
+
+   !> True if the model reads the key jc_rate, common to several models.
+   pure logical function damage_uses_jc_rate(self) result(uses)
+      class(damage_t), intent(in) :: self
+
+      uses = .false.
+   end function damage_uses_jc_rate
+
+   !> True if the law of strength itself gives the stress of failed material.
+   pure logical function damage_leaves_strength(self) result(leaves)
+      class(damage_t), intent(in) :: self
+
+      leaves = .false.
+   end function damage_leaves_strength
+
+   !> Random strength of new particles, where the model requested the field `scatter`. It depends
+   !! on their identity, not on their position or order.
+   pure subroutine damage_draw_strength(self, seed, identity, first, last, mass, scatter)
+      class(damage_t), intent(in) :: self
+      integer(int64), intent(in) :: seed                       !! Seed of the random numbers
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+      real(wp), contiguous, intent(in) :: mass(:)              !! (store) [kg]
+      real(wp), contiguous, intent(inout) :: scatter(:)        !! Random strength (store) [1]
+
+      scatter(first:last) = 1.0_wp
+   end subroutine damage_draw_strength
+end module material_damage

@@ -1,0 +1,104 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Linear equation of state: p = K (rho/rho0 - 1). Equation (E.3) of
+!! doc/theory/equations_of_state.md.
+module eos_linear
+   use base_elementary, only: logarithm
+   use base_kinds, only: wp
+   use material_eos, only: eos_t
+   use material_field_requests, only: field_requests_t
+   use material_state, only: deformation_t, material_state_t
+   implicit none
+   private
+
+   public :: eos_linear_t, linear_energy
+
+   !> Linear equation of state.
+   type, extends(eos_t) :: eos_linear_t
+   contains
+      procedure :: request => linear_request         !! Requests no fields
+      procedure :: update => linear_update           !! Pressure and square of the sound speed
+      procedure :: stored_energy => linear_stored_energy !! Energy stored in the change of volume
+   end type eos_linear_t
+
+contains
+
+   !> The pressure depends on density alone.
+   pure subroutine linear_request(self, requests)
+      class(eos_linear_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
+   end subroutine linear_request
+
+   !> Pressure and square of the sound speed.
+   pure subroutine linear_update(self, state, deformation, first, last)
+      class(eos_linear_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      call linear_pressure(first, last, self%density, self%bulk, state%mass, state%volume, &
+         deformation%pressure, deformation%wave_speed)
+   end subroutine linear_update
+
+   !> Kernel of the above.
+   pure subroutine linear_pressure(first, last, density, bulk, mass, volume, pressure, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         ! The difference is computed before the division, so that the result at rest is exactly 0.
+         pressure(i) = bulk*(mass(k) - density*volume(k))/(density*volume(k))
+         wave_speed(i) = bulk/density
+      end do
+   end subroutine linear_pressure
+
+   !> Energy stored in the change of volume.
+   pure real(wp) function linear_stored_energy(self, mass, volume, limit) result(energy)
+      class(eos_linear_t), intent(in) :: self
+      real(wp), intent(in) :: mass                   !! [kg]
+      real(wp), intent(in) :: volume                 !! [m3]
+      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
+
+      energy = linear_energy(self%density, self%bulk, mass, volume, limit)
+   end function linear_stored_energy
+
+   !> Energy stored by p = K (rho/rho0 - 1). With x = V rho0/m it is K m/rho0 (x - 1 - ln x), and
+   !! beyond the x at which the pressure would be less than its limit it grows linearly.
+   pure real(wp) function linear_energy(density, bulk, mass, volume, limit) result(energy)
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
+      real(wp), intent(in) :: mass                   !! [kg]
+      real(wp), intent(in) :: volume                 !! [m3]
+      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
+      real(wp) :: ratio, largest
+
+      ratio = volume*density/mass - 1.0_wp
+      largest = ratio
+      if (limit > -bulk) largest = -limit/(bulk + limit)
+      energy = mass/density*(bulk*excess(min(ratio, largest)) - limit*max(0.0_wp, ratio - largest))
+   end function linear_energy
+
+   !> x - ln(1 + x), by its series where the difference would lose digits.
+   pure real(wp) function excess(x) result(over)
+      real(wp), intent(in) :: x                      !! Above -1 [1]
+      integer :: power
+
+      if (abs(x) > 0.01_wp) then
+         over = x - logarithm(1.0_wp + x)
+         return
+      end if
+      over = 0.0_wp
+      do power = 9, 2, -1
+         over = 1.0_wp/real(power, wp) - x*over
+      end do
+      over = x*x*over
+   end function excess
+end module eos_linear

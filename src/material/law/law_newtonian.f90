@@ -1,0 +1,188 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Viscous fluid of Newton: the deviator of the stress is 2 eta times that of the rate of strain.
+!! Equation (Y.13) of doc/theory/strength.md.
+module law_newtonian
+   use base_kinds, only: wp
+   use deck_group_values, only: group_t
+   use deck_schema, only: schema_t
+   use material_effects, only: effects_t
+   use material_field_requests, only: field_requests_t
+   use material_kinematics, only: dilate
+   use material_law, only: law_t
+   use material_state, only: deformation_t, material_state_t
+   use material_tension, only: remove_failed_deviator
+   implicit none
+   private
+
+   public :: law_newtonian_t
+
+   !> Law of Newton.
+   type, extends(law_t) :: law_newtonian_t
+      real(wp) :: viscosity = 0.0_wp                 !! eta [Pa s]
+   contains
+      procedure :: declare => newtonian_declare      !! Declares its key
+      procedure :: read => newtonian_read            !! Reads its key
+      procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
+      procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
+      procedure :: request => newtonian_request      !! Requests no fields
+      procedure :: predict_trial => newtonian_predict_trial !! Volume, there is no trial
+      procedure :: update => newtonian_update        !! Viscous stress
+      procedure :: add_wave_speed => newtonian_add_wave_speed !! Nothing
+      !> Limit of the time step by diffusion
+      procedure :: add_viscous_speed => newtonian_add_viscous_speed
+      procedure :: stored_energy => newtonian_stored_energy !! Nothing
+   end type law_newtonian_t
+
+contains
+
+   !> Declare the key of the law.
+   subroutine newtonian_declare(self, schema)
+      class(law_newtonian_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
+
+      call schema%real("material", "viscosity", "viscosity of a Newtonian fluid", unit="Pa s", &
+         range=">= 0", owner="effects.strength & strength_model = newtonian")
+      call schema%require("material", "viscosity")
+   end subroutine newtonian_declare
+
+   !> Read the key of the law. All viscous work becomes heat.
+   pure subroutine newtonian_read(self, group, effects)
+      class(law_newtonian_t), intent(inout) :: self
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects
+
+      call group%get("viscosity", self%viscosity)
+      self%heat_share = 1.0_wp
+   end subroutine newtonian_read
+
+   !> A fluid has no shear modulus.
+   pure logical function newtonian_has_shear(self) result(has)
+      class(law_newtonian_t), intent(in) :: self
+
+      has = .false.
+   end function newtonian_has_shear
+
+   !> The stress is not a state variable, so it does not give the pressure of the previous step.
+   pure logical function newtonian_follows_density(self) result(follows)
+      class(law_newtonian_t), intent(in) :: self
+
+      follows = .true.
+   end function newtonian_follows_density
+
+   !> A fluid has no state variables.
+   pure subroutine newtonian_request(self, requests)
+      class(law_newtonian_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
+   end subroutine newtonian_request
+
+   !> Volume after the step.
+   pure subroutine newtonian_predict_trial(self, state, deformation, first, last)
+      class(law_newtonian_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
+         deformation%dilatation)
+   end subroutine newtonian_predict_trial
+
+   !> Viscous stress and viscous work.
+   pure subroutine newtonian_update(self, state, deformation, first, last, dt)
+      class(law_newtonian_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+
+      call shear_stress(first, last, self%viscosity/dt, deformation%gradient, state%volume, &
+         state%stress, deformation%plastic_increment, deformation%plastic_work)
+      if (allocated(state%failed)) call remove_failed_deviator(first, last, state%failed, &
+         state%stress)
+   end subroutine newtonian_update
+
+   !> Kernel of the above.
+   pure subroutine shear_stress(first, last, factor, gradient, volume, stress, plastic_increment, &
+      plastic_work)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: factor                 !! Viscosity over time step [Pa]
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: plastic_increment(:) !! Equivalent (range) [1]
+      real(wp), contiguous, intent(inout) :: plastic_work(:)      !! (range) [J]
+      real(wp) :: mean, xx, yy, zz, xy, yz, xz, square
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         mean = (gradient(i, 1) + gradient(i, 5) + gradient(i, 9))/3.0_wp
+         xx = gradient(i, 1) - mean
+         yy = gradient(i, 5) - mean
+         zz = gradient(i, 9) - mean
+         xy = 0.5_wp*(gradient(i, 2) + gradient(i, 4))
+         yz = 0.5_wp*(gradient(i, 6) + gradient(i, 8))
+         xz = 0.5_wp*(gradient(i, 3) + gradient(i, 7))
+         stress(k, 1) = 2.0_wp*factor*xx
+         stress(k, 2) = 2.0_wp*factor*yy
+         stress(k, 3) = 2.0_wp*factor*zz
+         stress(k, 4) = 2.0_wp*factor*xy
+         stress(k, 5) = 2.0_wp*factor*yz
+         stress(k, 6) = 2.0_wp*factor*xz
+         square = xx**2 + yy**2 + zz**2 + 2.0_wp*(xy**2 + yz**2 + xz**2)
+         plastic_increment(i) = sqrt(2.0_wp/3.0_wp*square)
+         plastic_work(i) = 2.0_wp*factor*square*volume(k)
+      end do
+   end subroutine shear_stress
+
+   !> Shear diffuses and has no wave speed.
+   pure subroutine newtonian_add_wave_speed(self, state, deformation, first, last)
+      class(law_newtonian_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+   end subroutine newtonian_add_wave_speed
+
+   !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
+   !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Together both
+   !! are at least the previous wave speed plus 2 Q. Equation (Y.14).
+   pure subroutine newtonian_add_viscous_speed(self, state, deformation, first, last, spacing)
+      class(law_newtonian_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: spacing                      !! Cell size [m]
+
+      call diffuse(first, last, 8.0_wp/3.0_wp*self%viscosity/spacing, state%mass, state%volume, &
+         deformation%wave_speed)
+   end subroutine newtonian_add_viscous_speed
+
+   !> Kernel of the above.
+   pure subroutine diffuse(first, last, factor, mass, volume, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: factor                 !! Density times 2 Q [kg/(m2 s)]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: wave_speed(:) !! (range) [m/s]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         wave_speed(i) = wave_speed(i) + factor*volume(k)/mass(k)
+      end do
+   end subroutine diffuse
+
+   !> Viscous stress stores nothing.
+   pure real(wp) function newtonian_stored_energy(self, state, particle) result(energy)
+      class(law_newtonian_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state           !! State of the store
+      integer, intent(in) :: particle                       !! Index in the store
+
+      energy = 0.0_wp
+   end function newtonian_stored_energy
+end module law_newtonian

@@ -1,0 +1,236 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Defaults of &method that depend on other keys and on the material, and checks of incompatible
+!! keys. All defaults come from measurements: see doc/theory/methods_compared.md.
+module scene_method_defaults
+   use base_kinds, only: wp
+   use deck_reader, only: deck_t, group_t
+   use scene_cell, only: set_cell_defaults
+   use step_method, only: stress_after, stress_average, stress_names, stress_remapped
+   implicit none
+   private
+
+   public :: set_method_defaults
+
+   !> Fraction of unresolved node velocities in the strain unless all material is elastic [1]
+   real(wp), parameter, public :: unseen_usual = 0.2_wp
+
+contains
+
+   !> Set the defaults of &method that depend on other keys and on the material, and refuse
+   !! incompatible keys.
+   subroutine set_method_defaults(deck, stored, gases, some_gas)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
+      logical, intent(in) :: stored                  !! Do all materials store work reversibly?
+      logical, intent(in) :: gases                   !! Is all material a gas?
+      logical, intent(in) :: some_gas                !! Is some, or an explosive?
+
+      call set_dependent_defaults(deck)
+      call set_cell_defaults(deck)
+      if (stored) call set_contact_default(deck)
+      if (stored) call set_elastic_defaults(deck)
+      call set_turn_default(deck)
+      call check_unseen(deck)
+      call check_normalise(deck)
+      if (some_gas) call set_split_default(deck, gases)
+   end subroutine set_method_defaults
+
+   !> Set the defaults that depend on other keys.
+   subroutine set_dependent_defaults(deck)
+      type(deck_t), intent(inout) :: deck
+      character(len=:), allocatable :: method, dimension, alpha, transfer
+      logical :: paper, may
+      type(group_t) :: run, group
+
+      run = deck%group("run", 1)
+      call run%get("method", method)
+      call run%get("dimension", dimension)
+      group = deck%group("method", 1)
+      call group%get("paper", paper)
+      if (method /= "ddmp") then
+         if (.not. group%given("transfer")) call deck%set_default("method", 1, "transfer", "flip")
+         if (.not. group%given("stress_update")) &
+            call deck%set_default("method", 1, "stress_update", trim(stress_names(stress_remapped)))
+         return
+      end if
+      may = may_normalise(deck)
+      if (.not. (group%given("normalise") .or. may)) &
+         call deck%set_default("method", 1, "normalise", "none")
+      if (paper) then
+         call set_paper_defaults(deck, group)
+         return
+      end if
+      call group%get("alpha", alpha)
+      if (.not. group%given("blend")) call deck%set_default("method", 1, "blend", &
+         trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
+      call group%get("transfer", transfer)
+      ! a whole linear velocity field of the particles gains energy without bound with usl
+      if (.not. group%given("stress_update")) call deck%set_default("method", 1, "stress_update", &
+         trim(stress_names(merge(stress_remapped, stress_after, &
+         any(transfer == ["apic ", "aflip"])))))
+   end subroutine set_dependent_defaults
+
+   !> In contact, elastic bodies are strained with the velocities of their particles (musl):
+   !! straining with the node velocities dissipates 3 to 5 % of their energy in a collision.
+   !! Transfers that filter the velocities dissipate more with musl. Equation (C.8) of
+   !! doc/theory/contact.md.
+   subroutine set_contact_default(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets the default
+      character(len=:), allocatable :: transfer
+      logical :: acts, paper
+      type(group_t) :: effects, group
+
+      group = deck%group("method", 1)
+      call group%get("paper", paper)
+      if (paper .or. group%given("stress_update") .or. deck%count("body") < 2) return
+      call group%get("transfer", transfer)
+      if (all(transfer /= ["rflip", "aflip", "flip "])) return
+      effects = deck%group("effects", 1)
+      call effects%get("contact", acts)
+      if (acts) call deck%set_default("method", 1, "stress_update", &
+         trim(stress_names(stress_remapped)))
+   end subroutine set_contact_default
+
+   !> With two velocities (usavg) elastic material conserves all of its energy by default.
+   subroutine set_elastic_defaults(deck)
+      type(deck_t), intent(inout) :: deck
+      character(len=:), allocatable :: update
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("stress_update", update)
+      if (update /= stress_names(stress_average)) return
+      if (.not. group%given("flip")) call deck%set_default("method", 1, "flip", 1.0_wp)
+      if (.not. group%given("unseen_strain")) call deck%set_default("method", 1, "unseen_strain", &
+         0.0_wp)
+   end subroutine set_elastic_defaults
+
+   !> With two velocities the default rotation is that of the surroundings, because the rotation of
+   !! single particles creates energy: the stress works with the velocities of their linear fields,
+   !! which the kinetic energy of particles does not include. A whole linear field has no smooth
+   !! part that could replace it, so transfers with such fields are refused.
+   subroutine set_turn_default(deck)
+      type(deck_t), intent(inout) :: deck
+      character(len=:), allocatable :: transfer, update, turn
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("transfer", transfer)
+      call group%get("stress_update", update)
+      if (update /= stress_names(stress_average)) return
+      if (any(transfer == ["aflip", "apic "])) call deck%add_error(group, "stress_update = "// &
+         "'usavg' generates energy without bound with transfer = '"//transfer//"'; write "// &
+         "transfer = 'rflip' or remove stress_update", "stress_update")
+      if (transfer /= "rflip") return
+      if (.not. group%given("turn_from")) then
+         call deck%set_default("method", 1, "turn_from", "tiles")
+         return
+      end if
+      call group%get("turn_from", turn)
+      if (turn /= "tiles") call deck%add_error(group, "stress_update = 'usavg' generates "// &
+         "energy with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
+   end subroutine set_turn_default
+
+   !> Long particles of a gas are split, because it expands without bound and cells without
+   !! particles have no volume. An exact solution needs undivided particles.
+   subroutine set_split_default(deck, gases)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets the default
+      logical, intent(in) :: gases                   !! Is all material a gas?
+      character(len=:), allocatable :: normalise, solution
+      type(group_t) :: group, exact
+
+      group = deck%group("method", 1)
+      if (group%given("split")) return
+      call group%get("normalise", normalise)
+      exact = deck%group("exact")
+      call exact%get("solution", solution)
+      if (normalise == "none" .or. solution /= "none") return
+      call deck%set_default("method", 1, "split", .true.)
+      if (.not. gases) call deck%set_default("method", 1, "split_what", "gases")
+   end subroutine set_split_default
+
+   !> Refuse unseen_strain where no strain uses it.
+   subroutine check_unseen(deck)
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      character(len=:), allocatable :: update
+      real(wp) :: share
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      if (.not. group%given("unseen_strain")) return
+      call group%get("stress_update", update)
+      call group%get("unseen_strain", share)
+      if (update == stress_names(stress_average)) return
+      ! a deck written by the program contains its default
+      if (.not. abs(share - unseen_usual) > 0.0_wp) return
+      call deck%add_error(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
+         "'; remove one of the two", "unseen_strain")
+   end subroutine check_unseen
+
+   !> Refuse normalised sums where the rule of the dual gradient does not allow them.
+   subroutine check_normalise(deck)
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      character(len=:), allocatable :: method, word
+      logical :: may
+      type(group_t) :: run, group
+
+      run = deck%group("run", 1)
+      call run%get("method", method)
+      if (method /= "ddmp") return
+      group = deck%group("method", 1)
+      call group%get("normalise", word)
+      may = may_normalise(deck)
+      if (word /= "none" .and. .not. may) call deck%add_error(group, &
+         "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
+         "no viscosity_limiter = 'smooth' or paper = .true.; write 'none'", "normalise")
+   end subroutine check_normalise
+
+   !> Does the rule of the dual gradient allow normalised sums?
+   logical function may_normalise(deck) result(may)
+      type(deck_t), intent(in) :: deck
+      character(len=:), allocatable :: limiter, quadrature, surface
+      logical :: paper
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("quadrature", quadrature)
+      call group%get("free_surface", surface)
+      call group%get("viscosity_limiter", limiter)
+      call group%get("paper", paper)
+      may = .not. paper .and. quadrature == "point" .and. surface == "fill" .and. &
+         limiter == "none"
+   end function may_normalise
+
+   !> Set the keys that the scheme of LA-UR-11-06616 fixes, and refuse other values of them.
+   subroutine set_paper_defaults(deck, group)
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: group             !! &method
+      character(len=13), parameter :: keys(6) = [character(len=13) :: "transfer", "alpha", &
+         "blend", "free_surface", "quadrature", "stress_update"]
+      character(len=7), parameter :: fixed(6) = [character(len=7) :: "flip", "product", "linear", &
+         "none", "point", "usf"]
+      character(len=:), allocatable :: word
+      real(wp) :: number
+      integer :: n
+
+      do n = 1, size(keys)
+         if (group%given(trim(keys(n)))) then
+            call group%get(trim(keys(n)), word)
+            if (word /= fixed(n)) call deck%add_error(group, "paper = .true. needs "// &
+               trim(keys(n))//" = '"//trim(fixed(n))//"'; remove one of the two", trim(keys(n)))
+         else
+            call deck%set_default("method", 1, trim(keys(n)), trim(fixed(n)))
+         end if
+      end do
+      do n = 1, 2
+         associate (key => merge("flip   ", "alpha_0", n == 1))
+            if (.not. group%given(trim(key))) then
+               call deck%set_default("method", 1, trim(key), 1.0_wp)
+               cycle
+            end if
+            call group%get(trim(key), number)
+            if (abs(number - 1.0_wp) > 0.0_wp) call deck%add_error(group, &
+               "paper = .true. needs "//trim(key)//" = 1; remove one of the two", trim(key))
+         end associate
+      end do
+   end subroutine set_paper_defaults
+end module scene_method_defaults

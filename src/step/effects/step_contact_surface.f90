@@ -1,0 +1,441 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Surfaces of bodies with separate velocity fields, on the nodes that several of them share. See
+!! doc/theory/contact.md.
+!!
+!! The outward areas of the nodes, A_i = sum V_p grad S_i, vanish inside of a body. The extent of
+!! the particles along the normals of these areas follows. Both are exchanged between ranks as
+!! patches.
+module step_contact_surface
+   use base_kinds, only: wp
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
+   use step_node_fields, only: empty_mass
+   use step_particles_to_nodes, only: locate_particles_plainly
+   use step_simulation, only: contact_t, guesses, machine_t, scratch_t, simulation_effects_t, &
+      simulation_t, space_t, velocity_field_t
+   use step_tile_cost, only: cost_clock, record_cost
+   use transfer_contact, only: find_reach, particle_widths
+   use transfer_scatter, only: motion_columns
+   use transfer_side_kernels, only: add_side_areas, find_side_reach
+   use transfer_sides, only: sides_t
+   implicit none
+   private
+
+   public :: area_rows, direction_of, find_contact_surfaces, guess_area, reach_row
+
+   real(wp), parameter :: faint = 1.0e-9_wp          !! Areas below this have no direction, in faces
+
+contains
+
+   !> Outward areas of the bodies on the nodes, and the extent of the bodies there.
+   subroutine find_contact_surfaces(simulation)
+      type(simulation_t), intent(inout) :: simulation !! Fields have their masses
+      integer :: fields, rows
+
+      fields = size(simulation%fields)
+      rows = area_rows(simulation%effects%contact)*fields
+      call simulation%machine%timer%start(simulation%machine%phase%contact)
+      call find_meetings(simulation%space, simulation%fields, simulation%effects, &
+         simulation%machine)
+      associate (contact => simulation%effects%contact, number => simulation%space%grid%tile_nodes)
+         call ensure_patch(contact%outward, rows, number, simulation%space%tiles%own)
+         call spread(simulation, spread_area, contact%outward)
+         call ensure_patch(contact%area, rows, number, simulation%space%tiles%all)
+         call sum_areas(simulation)
+         call ensure_patch(contact%reach, guesses*fields**2, number, simulation%space%tiles%own)
+         call spread(simulation, spread_positions, contact%reach)
+      end associate
+      call simulation%machine%timer%stop(simulation%machine%phase%contact)
+   end subroutine find_contact_surfaces
+
+   !> Rows of the patch of areas, for one field.
+   pure integer function area_rows(contact) result(rows)
+      type(contact_t), intent(in) :: contact         !! With bonds or without
+
+      rows = merge(4, 3, contact%bonded)
+   end function area_rows
+
+   !> Own tiles with nodes that several fields share.
+   subroutine find_meetings(space, fields, effects, machine)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(simulation_effects_t), intent(inout) :: effects
+      type(machine_t), intent(inout) :: machine
+      integer :: tile, field
+      real(wp) :: began
+      integer :: here(space%grid%tile_nodes)
+
+      if (allocated(effects%contact%meets)) then
+         if (size(effects%contact%meets) < space%tiles%all) &
+            deallocate (effects%contact%meets)
+      end if
+      if (.not. allocated(effects%contact%meets)) allocate (effects%contact%meets( &
+         space%tiles%all + space%tiles%all/16))
+      !$omp parallel do default(none) shared(space, fields, effects, machine) &
+      !$omp private(tile, field, here, began) &
+      !$omp schedule(static)
+      do tile = 1, space%tiles%all
+         began = cost_clock(machine)
+         here = 0
+         do field = 1, size(fields)
+            where (fields(field)%nodes%motion%mass(1, :, tile) > empty_mass) &
+               here = here + 1
+         end do
+         effects%contact%meets(tile) = any(here > 1)
+         call record_cost(machine, tile, began)
+      end do
+      !$omp end parallel do
+   end subroutine find_meetings
+
+   !> Scatter a quantity of the particles to patches, and receive the patches of other ranks.
+   subroutine spread(simulation, work, patch)
+      type(simulation_t), intent(inout) :: simulation
+      interface
+         subroutine work(simulation, scratch, tile, patch)
+            import :: scratch_t, simulation_t, wp
+            implicit none
+            type(simulation_t), intent(in) :: simulation
+            type(scratch_t), intent(inout) :: scratch
+            integer, intent(in) :: tile
+            real(wp), contiguous, intent(inout) :: patch(:, :)
+         end subroutine work
+      end interface
+      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
+      integer, allocatable :: tiles(:)
+      real(wp) :: began
+      integer :: part, n
+
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles, patch) private(n, began) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            began = cost_clock(simulation%machine)
+            call work(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+               patch(:, :, tiles(n)))
+            call record_cost(simulation%machine, tiles(n), began)
+         end do
+         !$omp end parallel do
+         call send_patches(simulation, part, patch)
+      end do
+   end subroutine spread
+
+   !> Outward areas of the particles of a tile: the node forces of unit pressure. With bonds, also
+   !! the mass of the particles whose bonds hold. Equation (C.1).
+   subroutine spread_area(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
+      integer, intent(in) :: tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
+      real(wp) :: wide(motion_columns, simulation%space%grid%tile_nodes)
+      integer :: field, index, rows, before
+
+      call clear_patch(patch)
+      if (.not. simulation%effects%contact%meets(tile)) return
+      rows = area_rows(simulation%effects%contact)
+      do field = 1, size(simulation%fields)
+         before = rows*(field - 1)
+         call clear_patch(wide)
+         do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
+            if (simulation%stores(index)%count(tile) == 0) cycle
+            associate (store => simulation%stores(index), grid => simulation%space%grid, &
+               basis => simulation%scheme%method%basis, pushed => scratch%pushed, &
+               start => simulation%stores(index)%cell_start(:, tile))
+               call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, &
+                  tile)
+               call pushed%copy(store%first(tile), store%count(tile), store%position, &
+                  store%state%volume, store%state%stress)
+               call pushed%make_unit(store%count(tile))
+               call basis%scatter_stress(grid, scratch%shape, 1, pushed%volume, pushed%stress, wide)
+               if (grid%axisymmetric) call basis%scatter_hoop(grid, scratch%shape, 1, &
+                  pushed%position, pushed%volume, pushed%stress, wide)
+               if (allocated(store%bond)) then
+                  call hold(store, tile, scratch%shape%values)
+                  call basis%scatter_values(grid, scratch%shape, 1, scratch%shape%values, before &
+                     + 3, patch)
+               end if
+            end associate
+         end do
+         if (simulation%fields(field)%other > 0) call area_of_side(simulation, scratch, tile, &
+            field, wide(5:7, :))
+         patch(before + 1:before + 3, :) = -wide(5:7, :)
+      end do
+   end subroutine spread_area
+
+   !> Areas of one of two sides at the parted nodes of a tile, in place of those of both together.
+   subroutine area_of_side(simulation, scratch, tile, field, inward)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
+      integer, intent(in) :: tile
+      integer, intent(in) :: field                   !! Index of the velocity field of the side
+      real(wp), intent(inout) :: inward(:, :)        !! (3, node) The areas, inward [m2]
+      real(wp) :: area(3, size(inward, 2))
+      integer :: first, n, node, side
+
+      side = side_of(simulation%fields, field)
+      first = first_side(simulation%fields, field)
+      associate (sides => simulation%fields(first)%sides)
+         if (.not. sides%cut(tile)) return
+         area = 0.0_wp
+         do n = 1, size(sides%store)
+            associate (store => simulation%stores(sides%before + n))
+               if (store%count(tile) == 0) cycle
+               call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, &
+                  tile)
+               call add_side_areas(simulation%space%grid, scratch%shape, store, tile, &
+                  sides%store(n)%other, sides%split(:, tile), side, area)
+            end associate
+         end do
+         do node = 1, size(area, 2)
+            if (sides%split(node, tile)) inward(:, node) = -area(:, node)
+         end do
+      end associate
+   end subroutine area_of_side
+
+   !> The first of the two velocity fields of a body with two sides.
+   pure integer function first_side(fields, field) result(first)
+      type(velocity_field_t), intent(in) :: fields(:)
+      integer, intent(in) :: field                   !! Index of either of them
+
+      first = field
+      if (.not. allocated(fields(field)%sides)) first = fields(field)%other
+   end function first_side
+
+   !> Side of a body that a velocity field belongs to: 0 for the first, 1 for the second.
+   pure integer function side_of(fields, field) result(side)
+      type(velocity_field_t), intent(in) :: fields(:)
+      integer, intent(in) :: field                   !! Index of the velocity field
+
+      side = merge(0, 1, allocated(fields(field)%sides))
+   end function side_of
+
+   !> Mass of the particles of a tile whose bonds hold, in the first column.
+   pure subroutine hold(store, tile, values)
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
+      real(wp), intent(inout) :: values(:, :)        !! (particle of the tile, column) [kg]
+      integer :: p, q
+
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         values(p, 1) = store%state%mass(q)*store%bond(q)
+      end do
+   end subroutine hold
+
+   !> Areas of the nodes of all tiles; boundaries of the domain are not surfaces.
+   subroutine sum_areas(simulation)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp) :: began
+      integer :: tile
+
+      !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(static)
+      do tile = 1, simulation%space%tiles%all
+         began = cost_clock(simulation%machine)
+         call sum_tile(simulation, tile)
+         call record_cost(simulation%machine, tile, began)
+      end do
+      !$omp end parallel do
+   end subroutine sum_areas
+
+   !> One tile.
+   subroutine sum_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
+      real(wp) :: tensor(9, simulation%space%grid%tile_nodes)
+      integer :: field, before, k
+
+      if (.not. simulation%effects%contact%meets(tile)) return
+      associate (contact => simulation%effects%contact)
+         call assemble(simulation%space%grid, simulation%space%tiles, contact%outward, tile, &
+            contact%area(:, :, tile))
+         do field = 1, size(contact%law, 1)
+            before = area_rows(contact)*(field - 1)
+            tensor = 0.0_wp
+            do k = 1, 3
+               tensor(3*k - 2, :) = contact%area(before + k, :, tile)
+            end do
+            call simulation%space%boundary%insulate(simulation%space%grid, &
+               simulation%space%tiles%coordinate(:, tile), tensor)
+            do k = 1, 3
+               contact%area(before + k, :, tile) = tensor(3*k - 2, :)
+            end do
+         end do
+      end associate
+   end subroutine sum_tile
+
+   !> A candidate for the common area of two fields at a node, outward from the first [m2]: the area
+   !! of one, of the other, or the mean of both. It changes its sign with the fields.
+   pure function guess_area(contact, tile, node, a, b, guess) result(area)
+      type(contact_t), intent(in) :: contact
+      integer, intent(in) :: tile
+      integer, intent(in) :: node                    !! Index in the tile
+      integer, intent(in) :: a, b                    !! The fields, a < b
+      integer, intent(in) :: guess                   !! 1 to 3
+      real(wp) :: area(3)
+      integer :: rows
+
+      rows = area_rows(contact)
+      associate (one => contact%area(rows*(a - 1) + 1:rows*(a - 1) + 3, node, tile), &
+         other => contact%area(rows*(b - 1) + 1:rows*(b - 1) + 3, node, tile))
+         select case (guess)
+         case (1)
+            area = one
+         case (2)
+            area = -other
+         case default
+            area = 0.5_wp*(one - other)
+         end select
+      end associate
+   end function guess_area
+
+   !> Row in which the extent of field a towards field b along a candidate normal is stored.
+   pure integer function reach_row(contact, a, b, guess) result(row)
+      type(contact_t), intent(in) :: contact
+      integer, intent(in) :: a, b                    !! Indices of two velocity fields
+      integer, intent(in) :: guess                   !! 1 to 3
+
+      row = guesses*(size(contact%law, 1)*(a - 1) + b - 1) + guess
+   end function reach_row
+
+   !> Its direction; zero where the area is too small to have one.
+   pure function direction_of(space, area) result(normal)
+      type(space_t), intent(in) :: space
+      real(wp), intent(in) :: area(3)                !! [m2]
+      real(wp) :: normal(3), length
+
+      normal = 0.0_wp
+      length = norm2(area)
+      if (length > faint*space%grid%depth &
+         *space%grid%spacing**(space%grid%dimensions - 1)) normal = area/length
+   end function direction_of
+
+   !> Extent of the particles of a tile towards each other field.
+   subroutine spread_positions(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
+      integer, intent(in) :: tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
+      real(wp) :: normal(3, simulation%space%grid%tile_nodes), &
+         reach(simulation%space%grid%tile_nodes)
+      integer :: a, b, guess
+
+      patch = -huge(1.0_wp)
+      if (.not. simulation%effects%contact%meets(tile)) return
+      do b = 2, size(simulation%fields)
+         do a = 1, b - 1
+            do guess = 1, guesses
+               call find_normals(simulation, tile, a, b, guess, normal)
+               if (.not. any(abs(normal) > 0.0_wp)) cycle
+               reach = -huge(1.0_wp)
+               call reach_of_both(simulation, scratch, tile, a, normal, reach)
+               patch(reach_row(simulation%effects%contact, a, b, guess), :) = reach
+               normal = -normal
+               reach = -huge(1.0_wp)
+               call reach_of_both(simulation, scratch, tile, b, normal, reach)
+               patch(reach_row(simulation%effects%contact, b, a, guess), :) = reach
+            end do
+         end do
+      end do
+   end subroutine spread_positions
+
+   !> Candidate normals from one field to another at the nodes of a tile where both have mass.
+   subroutine find_normals(simulation, tile, a, b, guess, normal)
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
+      integer, intent(in) :: a, b                    !! From which field to which, a < b
+      integer, intent(in) :: guess                   !! 1 to 3
+      real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 without contact [1]
+      integer :: node
+
+      normal = 0.0_wp
+      associate (contact => simulation%effects%contact, fields => simulation%fields)
+         do node = 1, size(normal, 2)
+            if (.not. fields(a)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
+            if (.not. fields(b)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
+            normal(:, node) = direction_of(simulation%space, &
+               guess_area(contact, tile, node, a, b, guess))
+         end do
+      end associate
+   end subroutine find_normals
+
+   !> Extent of the particles of one field in a tile along the normals, of one side where nodes have
+   !! parted.
+   subroutine reach_of_both(simulation, scratch, tile, field, normal, reach)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
+      integer, intent(in) :: tile
+      integer, intent(in) :: field                   !! Index of the velocity field
+      real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
+      real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
+      real(wp) :: joint(3, size(reach))
+      integer :: first, node
+
+      if (simulation%fields(field)%other == 0) then
+         call reach_of_field(simulation%space, simulation%stores, simulation%fields, scratch, &
+            tile, field, normal, reach)
+         return
+      end if
+      first = first_side(simulation%fields, field)
+      associate (sides => simulation%fields(first)%sides)
+         joint = normal
+         do node = 1, size(reach)
+            if (sides%split(node, tile)) joint(:, node) = 0.0_wp
+         end do
+         call reach_of_field(simulation%space, simulation%stores, simulation%fields, scratch, &
+            tile, field, joint, reach)
+         if (sides%cut(tile)) call reach_of_side(simulation, scratch, sides, tile, &
+            side_of(simulation%fields, field), normal, reach)
+      end associate
+   end subroutine reach_of_both
+
+   !> The same of one side at the parted nodes.
+   subroutine reach_of_side(simulation, scratch, sides, tile, side, normal, reach)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
+      type(sides_t), intent(in) :: sides             !! The two sides of the field
+      integer, intent(in) :: tile
+      integer, intent(in) :: side                    !! 0 or 1
+      real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
+      real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
+      integer :: n
+
+      do n = 1, size(sides%store)
+         associate (store => simulation%stores(sides%before + n), grid => simulation%space%grid)
+            if (store%count(tile) == 0) cycle
+            call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
+            call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
+               store%state%volume, scratch%shape%values(:, 1))
+            call find_side_reach(grid, scratch%shape, store%first(tile), sides%store(n)%other, &
+               sides%split(:, tile), side, scratch%shape%values(:, 1), normal, reach)
+         end associate
+      end do
+   end subroutine reach_of_side
+
+   !> Extent of the particles of one field in a tile along the normals.
+   subroutine reach_of_field(space, stores, fields, scratch, tile, field, normal, reach)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
+      integer, intent(in) :: tile
+      integer, intent(in) :: field                   !! Index of the velocity field
+      real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
+      real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
+      integer :: index
+
+      do index = fields(field)%first_store, fields(field)%last_store
+         if (stores(index)%count(tile) == 0) cycle
+         associate (store => stores(index), grid => space%grid, &
+            start => stores(index)%cell_start(:, tile), &
+            coordinate => space%tiles%coordinate(:, tile))
+            call scratch%shape%reserve(store%count(tile))
+            call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
+               store%state%volume, scratch%shape%values(:, 1))
+            call find_reach(grid, grid%tile_corner(coordinate), start, store%first(tile), &
+               store%position, scratch%shape%values(:, 1), normal, reach)
+         end associate
+      end do
+   end subroutine reach_of_field
+end module step_contact_surface
