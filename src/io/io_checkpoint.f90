@@ -18,7 +18,8 @@ module io_checkpoint
    use io_digest, only: field_key
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data
-   use io_order, only: store_rows, tile_order
+   use io_rows, only: store_rows
+   use sample_order, only: tile_order
    use io_seal, only: checkpoint_schema
    use io_state, only: state_t
    use particle_store, only: store_t

@@ -13,7 +13,7 @@ module io_digest
    use base_kinds, only: int64, wp
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_hdf5_write, only: even_rows, rows_t
-   use io_order, only: tile_order
+   use sample_order, only: tile_order
    use io_seal, only: check_seal, checkpoint_schema
    use io_state, only: state_t
    use particle_store, only: store_t

@@ -12,7 +12,7 @@ module io_snapshot
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data, write_names
    use io_level, only: even_chunks, level_integers, level_reals, level_rows
-   use io_order, only: store_rows
+   use io_rows, only: store_rows
    use, intrinsic :: iso_fortran_env, only: real32
    use particle_store, only: store_t
    use sample_fields, only: choose_columns, column_t, fill_integers, fill_reals, picks_t

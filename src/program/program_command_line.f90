@@ -12,7 +12,7 @@ module program_command_line
    implicit none
    private
 
-   public :: parse_command_line, program_arguments
+   public :: parse_command_line
 
    !> One option.
    type :: option_t
@@ -40,21 +40,6 @@ module program_command_line
       option_t("echo    ", " ", nothing)]
 
 contains
-
-   !> The arguments of the program.
-   function program_arguments() result(arguments)
-      type(text_t), allocatable :: arguments(:)
-      character(len=:), allocatable :: argument
-      integer :: i, length
-
-      allocate (arguments(command_argument_count()))
-      do i = 1, size(arguments)
-         call get_command_argument(i, length=length)
-         allocate (character(len=length) :: argument)
-         if (length > 0) call get_command_argument(i, argument)
-         call move_alloc(argument, arguments(i)%text)
-      end do
-   end function program_arguments
 
    !> Parse and check the arguments.
    subroutine parse_command_line(arguments, command, error)

@@ -23,7 +23,7 @@ module program_grains
    use io_summary, only: json_t
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
-   use program_information, only: version_line
+   use run_log_files, only: version_line
    use run_existing_results, only: lock_case, nothing_to_restart, protect_results
    use run_limits, only: read_limits
    use run_memory, only: check_memory

@@ -2,11 +2,9 @@
 !> Command lines that print a text and start no run: help, version, template, explanations, lists,
 !! digests.
 module program_information
-   use base_communicator, only: communicator_t, message_passing_version
+   use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_file, only: print_text
-   use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
-      git_commit, version_text
    use deck_schema, only: schema_t
    use deck_schema_text, only: explain, template
    use io_digest, only: file_digest
@@ -14,11 +12,12 @@ module program_information
    use program_help, only: help_text
    use program_lists, only: list_text
    use run_command, only: information_request_t
+   use run_log_files, only: version_line
    use run_messages, only: explain_message, is_message
    implicit none
    private
 
-   public :: print_information, version_line
+   public :: print_information
 
 contains
 
@@ -57,13 +56,4 @@ contains
       if (text(max(len(text), 1):) == new_line("a")) text = text(:len(text) - 1)
       call print_text(text//new_line("a"), error)
    end subroutine print_information
-
-   !> Versions of the program, the compiler and the message passing library, in one line.
-   function version_line() result(text)
-      character(len=:), allocatable :: text
-
-      text = "scree "//version_text//" (git "//git_commit//")  "//compiler_name//" " &
-         //compiler_version_text//" "//build_type//" "//compiler_flags()//"  " &
-         //message_passing_version()
-   end function version_line
 end module program_information

@@ -10,7 +10,8 @@ module program_main
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: output_unit
    use program_batch_job, only: job_text
-   use program_command_line, only: parse_command_line, program_arguments
+   use program_command_line, only: parse_command_line
+   use run_resume_command, only: program_arguments
    use program_examples, only: copied_t, copy_example, next_steps
    use program_grains, only: run_grains
    use program_information, only: print_information

@@ -10,7 +10,7 @@ module program_preview
    use io_series, only: series_t
    use io_snapshot, only: snapshot_format_t, snapshot_write
    use output_walls, only: write_walls
-   use program_batch_job, only: quoted
+   use run_resume_command, only: quoted
    use run_setup, only: run_setup_t
    use scene_first_state, only: make_first_state
    implicit none

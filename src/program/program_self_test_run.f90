@@ -11,7 +11,7 @@ module program_self_test_run
    use io_digest, only: file_digest, state_digest
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_hdf5_write, only: even_rows, rows_t
-   use io_order, only: tile_order
+   use sample_order, only: tile_order
    use io_state, only: state_t
    use omp_lib, only: omp_set_num_threads
    use output_checkpoint, only: describe_state

@@ -7,9 +7,11 @@ module run_log_files
    use base_file, only: make_folder, remove_file, write_file
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_text, only: number
+   use base_communicator, only: message_passing_version
+   use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
+      git_commit, version_text
    use deck_reader, only: deck_t, group_t
    use omp_lib, only: omp_get_max_threads
-   use program_information, only: version_line
    use run_cost_report, only: cost_report
    use run_file_hints, only: set_file_hints
    use run_setup, only: run_setup_t
@@ -18,7 +20,7 @@ module run_log_files
    implicit none
    private
 
-   public :: open_log
+   public :: open_log, version_line
 
 contains
 
@@ -83,4 +85,13 @@ contains
       end select
       if (verbose) level = log_debug
    end function log_level
+
+   !> Versions of the program, the compiler and the message passing library, in one line.
+   function version_line() result(text)
+      character(len=:), allocatable :: text
+
+      text = "scree "//version_text//" (git "//git_commit//")  "//compiler_name//" " &
+         //compiler_version_text//" "//build_type//" "//compiler_flags()//"  " &
+         //message_passing_version()
+   end function version_line
 end module run_log_files

@@ -14,7 +14,7 @@ module run_session
    use output_loads, only: report_loads
    use output_summary, only: summarise
    use output_walls, only: write_walls
-   use program_batch_job, only: resume_command
+   use run_resume_command, only: resume_command
    use run_binding, only: binding_warning
    use run_existing_results, only: lock_case, nothing_to_restart, protect_results
    use run_expected_steps, only: expected_steps

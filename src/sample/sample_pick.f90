@@ -3,7 +3,7 @@
 !! selection uses identity, state and position only, so that it does not depend on ranks.
 module sample_pick
    use base_kinds, only: int64, wp
-   use io_order, only: tile_order
+   use sample_order, only: tile_order
    use particle_shape, only: shape_holder_t
    use particle_store, only: store_t
    implicit none

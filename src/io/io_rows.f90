@@ -1,34 +1,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The order of particles in files: by store, then by tile along the Hilbert curve, so that it
-!! depends neither on ranks nor on the positions of particles in the arrays.
-module io_order
+!> Rows of files: those of a rank follow those of the ranks before it, store after store.
+module io_rows
    use base_communicator, only: communicator_t
    use base_kinds, only: int64
    use io_hdf5_write, only: rows_t
-   use particle_store, only: store_t
    implicit none
    private
 
-   public :: store_rows, tile_order
+   public :: store_rows
 
 contains
-
-   !> Indices of the particles of a store, tile after tile.
-   pure subroutine tile_order(store, order)
-      type(store_t), intent(in) :: store
-      integer, allocatable, intent(out) :: order(:)      !! Indices
-      integer :: filled, particle, tile
-
-      allocate (order(store%particles()))
-      filled = 0
-      if (.not. allocated(store%count)) return
-      do tile = 1, size(store%count)
-         do particle = 1, store%count(tile)
-            order(filled + particle) = store%first(tile) + particle - 1
-         end do
-         filled = filled + store%count(tile)
-      end do
-   end subroutine tile_order
 
    !> Rows of a file for selected particles of each store, one range a store. Collective.
    function store_rows(communicator, counts, compress) result(rows)
@@ -49,4 +30,4 @@ contains
          rows%before(store) = sum(totals(:store - 1)) + communicator%before(counts(store))
       end do
    end function store_rows
-end module io_order
+end module io_rows
