@@ -15,31 +15,29 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DRAWING = ROOT / "doc/developer/rooms.svg"
 USE = re.compile(r"^\s*use\s+(\w+)", re.M)
-# Column of each folder in the drawing, and its content in a few words.
-BOXES = {
-    "base": (1.8, "deck, errors, MPI, exact sums"), "mesh": (1.5, "grid, tiles, patches, walls"),
-    "constitutive": (0.4, "strength, EOS, damage"), "material": (0, "a material, its update"),
-    "explosive": (0.4, "products, burn, paths"), "tabulated": (0.4, "tables of states"),
-    "ductile": (0.4, "pores of metals"),
-    "particle": (1.5, "stores, shapes, migration"), "transfer": (1, "shape functions, kernels"),
-    "contact": (2, "sides of failed material"),
-    "io": (2, "HDF5, files"), "ddmp": (1, "dual gradient"), "exact": (3, "exact solutions"),
-    "grains": (3, "periodic cell of grains"),
-    "step": (1.5, "one time step"), "scene": (1.5, "deck to first state"),
-    "output": (1.5, "streams, checkpoints"), "program": (1.5, "command line, time loop"),
-    "library": (1.5, "runs in other programs"),
+# Content of each folder in a few words; the subfolders of src/ are added.
+CONTENT = {
+    "base": "errors, MPI, files, exact sums", "deck": "text of a deck to checked values",
+    "mesh": "grid, tiles, patches, walls", "material": "laws and their update",
+    "particle": "stores, shapes, migration", "transfer": "particles to nodes and back",
+    "sample": "fields, gauges, fragments", "io": "HDF5, tables, checkpoints", "ddmp": "dual gradient",
+    "exact": "exact solutions", "grains": "periodic cell of grains", "step": "one time step",
+    "scene": "deck to first state", "output": "streams, summary", "run": "a run from deck to end",
+    "program": "command line", "library": "runs in other programs",
 }
-BOX_WIDTH, BOX_HEIGHT, GAP_X, GAP_Y, MARGIN = 190, 46, 30, 44, 12
+VARIANTS = ("serial", "parallel")                     # subfolders for different builds, of which one is compiled
+BOX_WIDTH, BOX_HEIGHT, GAP_X, GAP_Y, MARGIN = 200, 62, 40, 46, 12
 
 
 def uses():
     """{folder: folders whose modules it uses}"""
-    sources = [path for path in sorted((ROOT / "src").glob("*/*")) if path.name.endswith((".f90", ".f90.in"))]
-    folder_of = {path.name.split(".")[0]: path.parent.name for path in sources}
-    found = {path.parent.name: set() for path in sources}
+    sources = [path for path in sorted((ROOT / "src").rglob("*")) if path.name.endswith((".f90", ".f90.in"))]
+    folder_of = {path.name.split(".")[0]: path.relative_to(ROOT / "src").parts[0] for path in sources}
+    found = {folder: set() for folder in folder_of.values()}
     for path in sources:
         names = USE.findall(path.read_text(encoding="utf-8"))
-        found[path.parent.name] |= {folder_of[name] for name in names if name in folder_of} - {path.parent.name}
+        folder = path.relative_to(ROOT / "src").parts[0]
+        found[folder] |= {folder_of[name] for name in names if name in folder_of} - {folder}
     return found
 
 
@@ -69,11 +67,33 @@ def rows_below(used):
     return row
 
 
+def corners(used):
+    """{folder: upper left corner of its box}: rows are centred, and in a row each box is as near as possible to the
+    boxes above that use it, so that arrows are short and boxes do not overlap."""
+    row = rows_below(used)
+    rows = [sorted(folder for folder in used if row[folder] == number) for number in range(max(row.values()) + 1)]
+    widest = max(len(line) for line in rows)
+    x = {}
+    for number, line in enumerate(rows):
+        def wanted(folder):
+            users = [x[user] for user, lowers in reduced(used).items() if folder in lowers]
+            return (sum(users)/len(users) if users else 0.0, folder)
+
+        left = (widest - len(line))/2
+        x.update({folder: left + place for place, folder in enumerate(sorted(line, key=wanted))})
+    return {folder: (MARGIN + x[folder]*(BOX_WIDTH + GAP_X), MARGIN + row[folder]*(BOX_HEIGHT + GAP_Y))
+            for folder in used}
+
+
+def subfolders(folder):
+    """Names of the subfolders that divide a folder by subjects."""
+    return [path.name for path in sorted((ROOT / "src" / folder).iterdir())
+            if path.name not in VARIANTS and any(path.glob("*.f90"))]
+
+
 def drawing(used):
     """Text of the SVG file."""
-    row = rows_below(used)
-    corner = {folder: (MARGIN + BOXES[folder][0]*(BOX_WIDTH + GAP_X), MARGIN + row[folder]*(BOX_HEIGHT + GAP_Y))
-              for folder in used}
+    corner = corners(used)
     width = max(x for x, _ in corner.values()) + BOX_WIDTH + MARGIN
     height = max(y for _, y in corner.values()) + BOX_HEIGHT + MARGIN
     lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" '
@@ -91,10 +111,12 @@ def drawing(used):
                          f'x2="{to_x + BOX_WIDTH/2 - shift:.0f}" y2="{to_y:.0f}" stroke="#555" '
                          'stroke-width="1.2" marker-end="url(#head)"/>')
     for folder, (x, y) in sorted(corner.items()):
-        lines += [f'<rect x="{x:.0f}" y="{y:.0f}" width="{BOX_WIDTH}" height="{BOX_HEIGHT}" rx="6" fill="#e8f0f8" '
-                  'stroke="#34597f"/>',
-                  f'<text x="{x + BOX_WIDTH/2:.0f}" y="{y + 19:.0f}" font-size="15" font-weight="bold">{folder}</text>',
-                  f'<text x="{x + BOX_WIDTH/2:.0f}" y="{y + 36:.0f}" font-size="12">{BOXES[folder][1]}</text>']
+        lines.append(f'<rect x="{x:.0f}" y="{y:.0f}" width="{BOX_WIDTH}" height="{BOX_HEIGHT}" rx="6" fill="#e8f0f8" '
+                     'stroke="#34597f"/>')
+        texts = [(folder, 'font-size="15" font-weight="bold"'), (CONTENT[folder], 'font-size="12"'),
+                 (" ".join(subfolders(folder)), 'font-size="11" fill="#555"')]
+        lines += [f'<text x="{x + BOX_WIDTH/2:.0f}" y="{y + 18*line + 18:.0f}" {style}>{text}</text>'
+                  for line, (text, style) in enumerate(texts) if text]
     return "\n".join([*lines, "</svg>"]) + "\n"
 
 

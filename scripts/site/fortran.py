@@ -17,13 +17,19 @@ PAGE = re.compile(r"\bdoc/([\w/]+\.md)")
 
 
 def folders():
-    """Names of the folders of src/ that hold modules."""
-    return sorted(path.name for path in (ROOT / "src").iterdir() if any(path.glob("*.f90")))
+    """Names of the folders of src/."""
+    return sorted(path.name for path in (ROOT / "src").iterdir() if path.is_dir())
+
+
+def modules_of(name):
+    """Sources of the modules of a folder and of its subfolders, without the variants of serial builds."""
+    return sorted((path for path in (ROOT / "src" / name).rglob("*.f90") if path.parent.name != "serial"),
+                  key=lambda path: path.name)
 
 
 def summary(name):
     """Number of modules of a folder."""
-    return len(list((ROOT / "src" / name).glob("*.f90")))
+    return len(modules_of(name))
 
 
 def prose(lines):
@@ -122,5 +128,5 @@ def module(path):
 
 def page(name):
     """The page of a folder."""
-    modules = [module(path) for path in sorted((ROOT / "src" / name).glob("*.f90"))]
+    modules = [module(path) for path in modules_of(name)]
     return f"---\nsearch:\n  boost: 0.05\n---\n# src/{name}\n\n" + "\n".join(modules)

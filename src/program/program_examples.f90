@@ -6,7 +6,7 @@ module program_examples
       program_path, read_file, write_file
    use base_text, only: append, closest, join, line_end, text_t
    use base_version, only: share_folder
-   use program_batch_job, only: quoted
+   use run_resume_command, only: quoted
    implicit none
    private
 

@@ -8,8 +8,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 LEAVE_OUT = {".mypy_cache", ".ruff_cache", ".pytest_cache", ".git", "build", "out", "__pycache__", ".venv"}
 # Folders of src/ that the gates on words and on the size of types cover.
-COVERED = ("base", "constitutive", "contact", "ddmp", "ductile", "exact", "explosive", "io", "material", "mesh",
-           "output", "particle", "program", "scene", "step", "tabulated", "transfer")
+COVERED = ("base", "ddmp", "deck", "exact", "io", "material", "mesh", "output", "particle", "program", "run", "sample",
+           "scene", "step", "transfer")
 TEXT = {".f90", ".pf", ".in", ".py", ".sh", ".cmake", ".txt", ".md", ".nml", ".toml", ""}
 
 PROCEDURE = re.compile(

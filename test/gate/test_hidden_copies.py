@@ -16,8 +16,8 @@ from pathlib import Path
 import case
 from sources import project_files
 
-FOLDERS = ("mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer", "contact",
-           "ddmp", "exact", "step", "scene", "output", "program")
+FOLDERS = ("mesh", "material", "particle", "transfer", "ddmp", "exact", "step", "sample", "scene", "output", "run",
+           "program")
 MESSAGE = re.compile(
     r"^(?P<file>/.*?\.f90):(?P<line>\d+):(?P<column>\d+):\n\n.*\n.*\n"
     r"Warning: Creating array temporary at \(1\)", re.M)

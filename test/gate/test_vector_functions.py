@@ -20,9 +20,9 @@ import pytest
 
 import case
 
-LAYERS = ("base", "mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer",
-          "contact", "io", "ddmp", "exact", "step", "scene", "output", "program")
-PARTICLES = ("constitutive", "explosive", "tabulated", "ductile", "material", "transfer", "ddmp", "step")
+LAYERS = ("base", "deck", "mesh", "material", "particle", "transfer", "sample", "io", "ddmp", "exact", "step", "scene",
+          "output", "run", "program")
+PARTICLES = ("material", "transfer", "ddmp", "step")
 FUNCTIONS = {"exp", "exp2", "expm1", "log", "log10", "log1p", "log2", "pow", "cbrt", "sin", "cos", "sincos", "tan",
              "sinh", "cosh", "tanh", "asin", "acos", "atan", "atan2", "cexp", "clog", "cpow"}
 COLD = {"material_relaxation": "turns of more than 0.4 in one step",
