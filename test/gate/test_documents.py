@@ -61,7 +61,7 @@ class TestDocumentGate:
         catch a new one, or one that begins to store energy, that the page does not name."""
         text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").glob("*/*.f90"))
         store = set(re.findall(r'%add\("energy", "(?:equation of state|strength model) (\w+)"', text))
-        states = {path.stem.removeprefix("eos_") for path in (ROOT / "src").glob("*/eos_*.f90")}
+        states = {path.stem.removeprefix("eos_") for path in (ROOT / "src").rglob("eos_*.f90")}
         chosen = (ROOT / "doc" / "guide" / "choose.md").read_text(encoding="utf-8")
         rows = {word: set(re.findall(r"[`'](\w+)[`']", re.search(rf"^\| {word} it \|(.*)\|$", chosen, re.M)[1]))
                 for word in ("store", "lose")}

@@ -16,7 +16,7 @@ from pathlib import Path
 import case
 from sources import project_files
 
-FOLDERS = ("mesh", "material", "particle", "transfer", "ddmp", "exact", "step", "sample", "scene", "output", "run",
+FOLDERS = ("mesh", "material", "particle", "transfer", "ddmp", "exact", "step", "scene", "output", "run",
            "program")
 MESSAGE = re.compile(
     r"^(?P<file>/.*?\.f90):(?P<line>\d+):(?P<column>\d+):\n\n.*\n.*\n"
