@@ -59,7 +59,7 @@ class TestDocumentGate:
     def test_materials_that_lose_energy(self):
         """The list of the manual is that of the sources: which equations of state and laws request an energy. Would
         catch a new one, or one that begins to store energy, that the page does not name."""
-        text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").glob("*/*.f90"))
+        text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.f90"))
         store = set(re.findall(r'%add\("energy", "(?:equation of state|strength model) (\w+)"', text))
         states = {path.stem.removeprefix("eos_") for path in (ROOT / "src").rglob("eos_*.f90")}
         chosen = (ROOT / "doc" / "guide" / "choose.md").read_text(encoding="utf-8")
