@@ -67,22 +67,35 @@ def rows_below(used):
     return row
 
 
+def steps(used, row):
+    """{folder: places directly below it}, where the place of an arrow that passes a row is (folder, lower, row)."""
+    below = {}
+    for folder, lowers in reduced(used).items():
+        for lower in lowers:
+            path = [folder, *((folder, lower, number) for number in range(row[folder] + 1, row[lower])), lower]
+            for upper, place in zip(path, path[1:]):
+                below.setdefault(upper, set()).add(place)
+    return below
+
+
 def corners(used):
-    """{folder: upper left corner of its box}: rows are centred, and in a row each box is as near as possible to the
-    boxes above that use it, so that arrows are short and boxes do not overlap."""
+    """{folder, or place of an arrow: upper left corner}: rows are centred, and in a row each place is as near as
+    possible to those above that use it, so that arrows are short and pass no box."""
     row = rows_below(used)
-    rows = [sorted(folder for folder in used if row[folder] == number) for number in range(max(row.values()) + 1)]
+    below = steps(used, row)
+    row.update({place: place[2] for places in below.values() for place in places if isinstance(place, tuple)})
+    rows = [sorted((place for place in row if row[place] == number), key=str)
+            for number in range(max(row.values()) + 1)]
     widest = max(len(line) for line in rows)
     x = {}
-    for number, line in enumerate(rows):
-        def wanted(folder):
-            users = [x[user] for user, lowers in reduced(used).items() if folder in lowers]
-            return (sum(users)/len(users) if users else 0.0, folder)
+    for line in rows:
+        def wanted(place):
+            users = [x[user] for user, places in below.items() if place in places]
+            return (sum(users)/len(users) if users else 0.0, str(place))
 
         left = (widest - len(line))/2
-        x.update({folder: left + place for place, folder in enumerate(sorted(line, key=wanted))})
-    return {folder: (MARGIN + x[folder]*(BOX_WIDTH + GAP_X), MARGIN + row[folder]*(BOX_HEIGHT + GAP_Y))
-            for folder in used}
+        x.update({place: left + number for number, place in enumerate(sorted(line, key=wanted))})
+    return {place: (MARGIN + x[place]*(BOX_WIDTH + GAP_X), MARGIN + row[place]*(BOX_HEIGHT + GAP_Y)) for place in row}
 
 
 def subfolders(folder):
@@ -102,15 +115,21 @@ def drawing(used):
              '<defs><marker id="head" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" markerHeight="8" '
              'orient="auto"><path d="M0,0 L8,4 L0,8 z" fill="#555"/></marker></defs>',
              f'<rect width="{width:.0f}" height="{height:.0f}" fill="white"/>']
-    for folder, lowers in sorted(reduced(used).items()):
-        x, y = corner[folder]
-        for lower in sorted(lowers):
-            to_x, to_y = corner[lower]
+    for upper, places in sorted(steps(used, rows_below(used)).items(), key=str):
+        x, y = corner[upper]
+        for place in sorted(places, key=str):
+            to_x, to_y = corner[place]
+            # an arrow that passes a row is a vertical line there
             shift = max(-0.35, min(0.35, (to_x - x)/width))*BOX_WIDTH
-            lines.append(f'<line x1="{x + BOX_WIDTH/2 + shift:.0f}" y1="{y + BOX_HEIGHT:.0f}" '
-                         f'x2="{to_x + BOX_WIDTH/2 - shift:.0f}" y2="{to_y:.0f}" stroke="#555" '
-                         'stroke-width="1.2" marker-end="url(#head)"/>')
-    for folder, (x, y) in sorted(corner.items()):
+            from_x = x + BOX_WIDTH/2 + (0 if isinstance(upper, tuple) else shift)
+            passes = isinstance(place, tuple)
+            to_x += BOX_WIDTH/2 - (0 if passes else shift)
+            points = f"{from_x:.0f},{y + BOX_HEIGHT:.0f} {to_x:.0f},{to_y:.0f}"
+            points += f" {to_x:.0f},{to_y + BOX_HEIGHT:.0f}" if passes else ""
+            head = "" if passes else ' marker-end="url(#head)"'
+            lines.append(f'<polyline points="{points}" fill="none" stroke="#555" stroke-width="1.2"{head}/>')
+    for folder in sorted(used):
+        x, y = corner[folder]
         lines.append(f'<rect x="{x:.0f}" y="{y:.0f}" width="{BOX_WIDTH}" height="{BOX_HEIGHT}" rx="6" fill="#e8f0f8" '
                      'stroke="#34597f"/>')
         texts = [(folder, 'font-size="15" font-weight="bold"'), (CONTENT[folder], 'font-size="12"'),
