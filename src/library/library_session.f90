@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A simulation in the process of another program. Like the program scree it uses `run_session`,
+!> A simulation in the process of another program. Like the program scree it uses `run_t`,
 !! but it writes to the screen only on request, and does not change the signals and the number of
 !! threads of the caller.
 module library_session
@@ -9,19 +9,17 @@ module library_session
    use base_text, only: text_t
    use, intrinsic :: iso_c_binding, only: c_char
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use program_command_line, only: parse_command_line
-   use run_command, only: command_t
    use run_messages, only: add_codes, with_code
-   use run_session, only: advance_run, begin_run, end_run, limit_threads, session_t
-   use run_setup, only: build_setup, read_setup
+   use run_setup, only: a_scene
    use run_threads, only: share_cores
+   use run_type, only: run_t
    implicit none
    private
 
    public :: library_session_t
 
    !> A session, with the data for its caller.
-   type, extends(session_t) :: library_session_t
+   type, extends(run_t) :: library_session_t
       logical :: running = .false.                   !! Has it begun, and not been ended?
       logical :: began_messages = .false.            !! Did it start MPI?
       logical :: copied = .false.                    !! Has it a duplicated communicator?
@@ -52,24 +50,23 @@ contains
       integer :: host
 
       host = omp_get_max_threads()
-      call parse_command_line(arguments, self%command, error)
-      self%log%mute = self%command%output%quiet
+      call self%options%parse(arguments, error)
+      self%log%mute = self%options%quiet
       self%log%annotate => add_codes
-      if (.not. allocated(error)) call require_run(self%command, error)
       if (.not. allocated(error)) call join_ranks(self, given, communicator, error)
       if (.not. allocated(error)) then
          call share_cores()
          ! rank 0 reads the deck; the others need not know where it is
-         call self%simulation%machine%communicator%broadcast(self%command%deck)
-         call read_setup(self, error)
+         call self%simulation%machine%communicator%broadcast(self%options%deck)
+         call self%read(a_scene, error)
       end if
-      if (.not. allocated(error)) call build_setup(self, error)
+      if (.not. allocated(error)) call self%build(.true., error)
       if (.not. allocated(error)) then
          ! signals belong to the caller
          deallocate (self%limits%signals)
          allocate (character(len=4) :: self%limits%signals(0))
-         call limit_threads(self)
-         call begin_run(self, error)
+         call self%limit_threads()
+         call self%start(error)
          self%running = .not. allocated(error)
       end if
       if (.not. self%running) call self%lock%release()
@@ -81,18 +78,6 @@ contains
          code = self%note(error)
       end if
    end function session_open
-
-   !> Refuse a command line that requests anything but a run.
-   subroutine require_run(command, error)
-      type(command_t), intent(in) :: command
-      type(error_t), allocatable, intent(out) :: error
-
-      if (command%information%is_set() .or. allocated(command%example%name) .or. command%check &
-         .or. command%information%echo &
-         .or. command%preview .or. command%point .or. command%grains .or. command%self_test &
-         .or. allocated(command%job%scheduler)) call fail(error, exit_input, "the library runs "// &
-         "decks only; use the program scree for this option")
-   end subroutine require_run
 
    !> Use a copy of the communicator of the caller, or of all ranks. Collective.
    subroutine join_ranks(self, given, communicator, error)
@@ -145,7 +130,7 @@ contains
       do while (.not. self%loop%finished .and. self%simulation%clock%step < last .and. &
          self%simulation%clock%time < until)
          self%generation = self%generation + 1
-         call advance_run(self)
+         call self%advance()
       end do
       self%threads = omp_get_max_threads()
       call omp_set_num_threads(host)
@@ -185,7 +170,7 @@ contains
       if (.not. allocated(error)) then
          host = omp_get_max_threads()
          call omp_set_num_threads(self%threads)
-         call end_run(self, code, error)
+         call self%end(code, error)
          call omp_set_num_threads(host)
          if (allocated(error)) call self%log%error(error%message)
          call self%log%close()

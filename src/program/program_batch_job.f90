@@ -8,6 +8,7 @@ module program_batch_job
    use base_kinds, only: int64, wp
    use base_text, only: line_end, number
    use deck_override, only: removal_mark
+   use program_command, only: job_options_t
    use run_resume_command, only: program_arguments, quoted
    use program_job_templates, only: job_template
    use run_cost_report, only: memory_bytes
@@ -42,8 +43,9 @@ module program_batch_job
 contains
 
    !> Make the job script for a run.
-   subroutine job_text(setup, deck, text, error)
+   subroutine job_text(setup, options, deck, text, error)
       class(run_setup_t), intent(in) :: setup
+      type(job_options_t), intent(in) :: options     !! From the command line
       character(len=*), intent(in) :: deck           !! Path of the deck from the folder of the job
       character(len=:), allocatable, intent(out) :: text !! Lines of the script
       !> The deck does not watch the signal of the scheduler
@@ -55,30 +57,31 @@ contains
       if (all([(trim(setup%limits%signals(n)) /= "USR1", n=1, size(setup%limits%signals))])) then
          call fail(error, exit_input, &
             "the scheduler announces the end of the job with signal USR1; "// &
-            "add 'USR1' to on_signal in &checkpoint of "//setup%command%deck)
+            "add 'USR1' to on_signal in &checkpoint of "//setup%options%deck)
          return
       end if
-      call choose_job(setup, deck, job)
-      text = filled_text(job_template(setup%command%job%scheduler), job)
+      call choose_job(setup, options, deck, job)
+      text = filled_text(job_template(options%scheduler), job)
    end subroutine job_text
 
    !> Choose ranks, threads, times and file names of a job.
-   subroutine choose_job(setup, deck, job)
+   subroutine choose_job(setup, options, deck, job)
       class(run_setup_t), intent(in) :: setup
+      type(job_options_t), intent(in) :: options     !! From the command line
       character(len=*), intent(in) :: deck           !! Path of the deck from the folder of the job
       type(job_t), intent(out) :: job
       integer :: tiles
 
       tiles = int(max(setup%survey%tiles, 1_int64))
       job%ranks = min(max(ceiling(real(setup%survey%particles, wp)/particles_of_rank), 1), tiles)
-      if (setup%command%job%ranks > 0) job%ranks = setup%command%job%ranks
-      job%nodes = setup%command%job%nodes
+      if (options%ranks > 0) job%ranks = options%ranks
+      job%nodes = options%nodes
       ! without --ranks the number becomes a multiple of the nodes
       if (job%nodes > 0) job%ranks = job%nodes*((job%ranks + job%nodes - 1)/job%nodes)
       job%threads = max(min(usual_threads, tiles/job%ranks), 1)
-      if (setup%command%job%threads > 0) job%threads = setup%command%job%threads
+      if (options%threads > 0) job%threads = options%threads
       job%time = usual_time
-      if (allocated(setup%command%job%time)) job%time = setup%command%job%time
+      if (allocated(options%time)) job%time = options%time
       job%seconds = clock_seconds(job%time)
       job%notice = min(usual_notice, max(least_notice, job%seconds/10))
       job%case = setup%place%case
@@ -94,16 +97,15 @@ contains
 
    !> Options of the command line that the script passes to the program.
    function options_text(setup) result(text)
-      class(run_setup_t), intent(in) :: setup              !! With the command line
+      class(run_setup_t), intent(in) :: setup              !! With the options
       character(len=:), allocatable :: text
       integer :: n
 
       text = ""
-      associate (command => setup%command)
-         if (allocated(command%output%folder)) &
-            text = text//" --outdir "//quoted(command%output%folder)
-         do n = 1, size(command%overrides)
-            associate (override => command%overrides(n)%text)
+      associate (options => setup%options)
+         if (allocated(options%folder)) text = text//" --outdir "//quoted(options%folder)
+         do n = 1, size(options%overrides)
+            associate (override => options%overrides(n)%text)
                if (index(override, removal_mark) == 1) then
                   text = text//" --unset "//quoted(override(2:))
                else
@@ -111,7 +113,7 @@ contains
                end if
             end associate
          end do
-         if (command%force) text = text//" --force"
+         if (options%force) text = text//" --force"
       end associate
    end function options_text
 

@@ -41,8 +41,9 @@ module program_grains
 contains
 
    !> Read the cell, check it, and run it unless --check is given.
-   subroutine run_grains(setup, log, code, error)
+   subroutine run_grains(setup, check_only, log, code, error)
       class(run_setup_t), intent(inout) :: setup     !! With the deck
+      logical, intent(in) :: check_only              !! Without a run
       type(log_t), intent(inout) :: log
       integer, intent(out) :: code                   !! Exit code without an error
       type(error_t), allocatable, intent(out) :: error
@@ -60,7 +61,7 @@ contains
       associate (communicator => setup%simulation%machine%communicator)
          call check_memory(setup%deck, communicator, grains_memory(setup%deck, &
             communicator%size), setup%deck%group("grains"), "number", "use fewer grains", &
-            refuses=.not. setup%command%force)
+            refuses=.not. setup%options%force)
       end associate
       call setup%deck%verdict(error)
       if (allocated(error)) return
@@ -77,7 +78,7 @@ contains
       call omp_set_num_threads(max(1, min(most_threads, run%cell%grains%count &
          /(grains_per_thread*run%cell%communicator%size))))
       call describe_run(setup, run)
-      if (setup%command%check) then
+      if (check_only) then
          call log%info(coded(setup%deck%report()))
          call log%info(cost_text(run))
          return
@@ -86,7 +87,7 @@ contains
       if (allocated(error)) return
       call protect_results(setup, fresh, error)
       if (allocated(error)) return
-      if (setup%command%restart) then
+      if (setup%options%restart) then
          call restart_cell(setup, run, error)
       else
          call start_run(run)
@@ -110,7 +111,7 @@ contains
       associate (output => run%output, header => run%output%header)
          call group%get("case", output%case)
          output%folder = "out/"//output%case
-         if (allocated(setup%command%output%folder)) output%folder = setup%command%output%folder
+         if (allocated(setup%options%folder)) output%folder = setup%options%folder
          header%code = "scree"
          header%version = version_text
          header%git = git_commit
@@ -182,12 +183,12 @@ contains
          if (allocated(error)) return
          stem = output%folder//"/"//output%case
          if (communicator%rank == 0) call remove_file(stem//".log")
-         call log%open(communicator%rank, stem//".log", quiet=setup%command%output%quiet, &
+         call log%open(communicator%rank, stem//".log", quiet=setup%options%quiet, &
             error=error)
          call agree(communicator, error)
          if (allocated(error)) return
          call log%info(version_line())
-         call log%info("deck      "//setup%command%deck//"  case "//output%case//"  "// &
+         call log%info("deck      "//setup%options%deck//"  case "//output%case//"  "// &
             number(communicator%size)//" ranks x "//number(omp_get_max_threads())// &
             " threads  results "//output%folder)
          if (setup%deck%warnings() > 0) call log%warn(setup%deck%report())
@@ -196,7 +197,7 @@ contains
          if (communicator%rank == 0) call write_file(stem//".echo.nml", setup%deck%echo(), error)
          call agree(communicator, error)
          if (allocated(error)) return
-         call output%open(run%cell, run%path, setup%command%restart, run%losses, error)
+         call output%open(run%cell, run%path, setup%options%restart, run%losses, error)
          if (.not. allocated(error) .and. len(run%losses) > 0) call log%warn(run%losses)
       end associate
    end subroutine open_grains_log

@@ -109,8 +109,8 @@ contains
       integer(int64), allocatable :: counters(:)
 
       notes = ""
-      if (allocated(setup%command%checkpoint)) then
-         path = setup%command%checkpoint
+      if (allocated(setup%options%checkpoint)) then
+         path = setup%options%checkpoint
          call checkpoint_read(run%cell%communicator, path, none, state, error, run%place, &
             changes)
       else

@@ -8,10 +8,10 @@ module program_information
    use deck_schema, only: schema_t
    use deck_schema_text, only: explain, template
    use io_digest, only: file_digest
+   use program_command, only: information_request_t
    use program_examples, only: examples_text
    use program_help, only: help_text
    use program_lists, only: list_text
-   use run_command, only: information_request_t
    use run_log_files, only: version_line
    use run_messages, only: explain_message, is_message
    implicit none

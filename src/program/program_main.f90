@@ -10,8 +10,7 @@ module program_main
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: output_unit
    use program_batch_job, only: job_text
-   use program_command_line, only: parse_command_line
-   use run_resume_command, only: program_arguments
+   use program_command, only: command_t, example_request_t, job_options_t
    use program_examples, only: copied_t, copy_example, next_steps
    use program_grains, only: run_grains
    use program_information, only: print_information
@@ -23,10 +22,11 @@ module program_main
    use run_material_point, only: drive_point
    use run_memory, only: end_without_memory, memory_suffices
    use run_messages, only: add_codes, coded
-   use run_session, only: advance_run, begin_run, end_run, limit_threads, session_t
-   use run_setup, only: build_setup, declare_deck_keys, read_setup
+   use run_resume_command, only: program_arguments
+   use run_setup, only: a_grain_cell, a_material_point, a_scene, declare_deck_keys
    use run_signals, only: ignore_file_size_limit
    use run_threads, only: share_cores, sleep_when_waiting, yield_when_waiting
+   use run_type, only: run_t
    use scene_effects, only: effects_text
    use scene_run, only: check_case
    implicit none
@@ -40,132 +40,138 @@ contains
    !! of which nothing else is visible.
    subroutine run_program(code) bind(c, name="scree_run_program")
       integer(c_int), intent(out) :: code            !! Exit code
-      type(session_t) :: session
+      type(command_t) :: command
+      type(run_t) :: run
       type(error_t), allocatable :: error
+      character(len=:), allocatable :: preview, text
 
       code = exit_success
       call occupy_streams()
       call ignore_file_size_limit()
-      session%log%annotate => add_codes
-      call parse_command_line(program_arguments(), session%command, error)
-      if (.not. allocated(error)) then
-         if (session%command%information%is_set()) then
-            call declare_deck_keys(session%schema)
-            call print_information(session%command%information, session%schema, error)
-         else if (allocated(session%command%example%name)) then
-            call create_example_folder(session, error)
-         else if (session%command%self_test) then
-            call test_installation(session, error)
-         else
-            call process_deck(session, code, error)
-         end if
-      end if
+      run%log%annotate => add_codes
+      call command%parse(program_arguments(), error)
+      run%options = command%run_options_t
       if (allocated(error)) then
-         code = error%code
-         if (session%simulation%machine%communicator%rank == 0) call &
-            session%log%error(error%message)
+      else if (command%information%is_set()) then
+         call declare_deck_keys(run%schema)
+         call print_information(command%information, run%schema, error)
+      else if (allocated(command%example%name)) then
+         call create_example_folder(command%example, run, error)
+      else if (command%self_test) then
+         call test_installation(run, error)
+      else
+         call process_deck(command, run, preview, code, error)
       end if
-      call session%lock%release()
-      call session%log%close()
-      if (allocated(error)) call leave_library()
-      call session%simulation%machine%communicator%finish()
-      if (allocated(session%preview_folder) .and. session%simulation%machine%communicator%rank == &
-         0) &
-         call print_preview(session)
+      associate (communicator => run%simulation%machine%communicator)
+         if (allocated(error)) then
+            code = error%code
+            if (communicator%rank == 0) call run%log%error(error%message)
+         end if
+         call run%lock%release()
+         call run%log%close()
+         if (allocated(error)) call leave_library()
+         call communicator%finish()
+         if (allocated(preview) .and. communicator%rank == 0) then
+            flush (output_unit)
+            call draw_preview(preview, command%quiet, text)
+            if (len(text) > 0) write (output_unit, "(a)") text
+         end if
+      end associate
    end subroutine run_program
 
-   !> Draw a preview from its files, and print its path.
-   subroutine print_preview(session)
-      type(session_t), intent(in) :: session
-      character(len=:), allocatable :: text
-
-      flush (output_unit)
-      call draw_preview(session%preview_folder, session%command%output%quiet, text)
-      if (len(text) > 0) write (output_unit, "(a)") text
-   end subroutine print_preview
-
    !> Copy an example into a new folder, with a job script if it is a scene.
-   subroutine create_example_folder(session, error)
-      type(session_t), intent(inout) :: session
+   subroutine create_example_folder(example, run, error)
+      type(example_request_t), intent(in) :: example
+      type(run_t), intent(inout) :: run
       type(error_t), allocatable, intent(out) :: error !! No such example, or not writable
       character(len=*), parameter :: job_file = "job.slurm"
       character(len=:), allocatable :: text
       type(copied_t) :: copied
+      type(job_options_t) :: job
 
-      call copy_example(session%command%example%name, session%command%example%folder, copied, error)
+      call copy_example(example%name, example%folder, copied, error)
       if (allocated(error)) return
-      if (copied%has_grains) then
-         call print_text(next_steps(copied), error)
-         return
+      if (.not. copied%has_grains) then
+         run%options%deck = join_path(copied%folder, copied%deck)
+         job%scheduler = "slurm"
+         call run%read(a_scene, error)
+         if (.not. allocated(error)) call run%build(.false., error)
+         if (.not. allocated(error)) call job_text(run, job, copied%deck, text, error)
+         if (.not. allocated(error)) &
+            call write_file(join_path(copied%folder, job_file), text, error)
+         if (allocated(error)) return
+         call append(copied%files, job_file)
       end if
-      session%command%deck = join_path(copied%folder, copied%deck)
-      session%command%job%scheduler = "slurm"
-      call read_setup(session, error)
-      if (.not. allocated(error)) call build_setup(session, error)
-      if (.not. allocated(error)) call job_text(session, copied%deck, text, error)
-      if (.not. allocated(error)) &
-         call write_file(join_path(copied%folder, job_file), text, error)
-      if (allocated(error)) return
-      call append(copied%files, job_file)
       call print_text(next_steps(copied), error)
    end subroutine create_example_folder
 
    !> Run the self-test on all ranks.
-   subroutine test_installation(session, error)
-      type(session_t), intent(inout) :: session
+   subroutine test_installation(run, error)
+      type(run_t), intent(inout) :: run
       type(error_t), allocatable, intent(out) :: error !! A check failed
 
       call check_launcher(error)
       if (allocated(error)) return
       call sleep_when_waiting(program_arguments())
-      call session%simulation%machine%communicator%start()
-      call run_self_test(session%simulation%machine%communicator, session%command%output%quiet, &
-         error)
+      call run%simulation%machine%communicator%start()
+      call run_self_test(run%simulation%machine%communicator, run%options%quiet, error)
    end subroutine test_installation
 
    !> Read the deck and do what the command line requests: check, preview, job script, run.
-   subroutine process_deck(session, code, error)
-      type(session_t), intent(inout) :: session
+   subroutine process_deck(command, run, preview, code, error)
+      type(command_t), intent(in) :: command
+      type(run_t), intent(inout) :: run
+      character(len=:), allocatable, intent(out) :: preview !! Folder of a preview to be drawn
       integer, intent(out) :: code                   !! Exit code without an error
       type(error_t), allocatable, intent(out) :: error
       character(len=:), allocatable :: text
+      logical :: lone                                !! Without ranks
+      integer :: subject
 
       code = exit_success
       call check_launcher(error)
       if (allocated(error)) return
       call share_cores()
       call yield_when_waiting(program_arguments())
-      associate (command => session%command)
-         if (.not. (command%check .or. command%information%echo .or. command%point .or. &
-            allocated(command%job%scheduler))) &
-            call session%simulation%machine%communicator%start()
-         call read_setup(session, error)
+      lone = command%check_only .or. command%information%echo .or. command%point .or. &
+         allocated(command%job%scheduler)
+      if (.not. lone) call run%simulation%machine%communicator%start()
+      subject = a_scene
+      if (command%point) subject = a_material_point
+      if (command%grains) subject = a_grain_cell
+      call run%read(subject, error)
+      if (allocated(error)) return
+      if (command%point) then
+         call check_case(run%deck)
+         call run%deck%verdict(error)
+         if (.not. allocated(error)) call drive_point(run%deck, run%options%folder, text, error)
+         if (.not. allocated(error)) call print_text(text//new_line("a"), error)
+         return
+      else if (command%grains) then
+         call run_grains(run, command%check_only, run%log, code, error)
+         return
+      end if
+      call run%build(.not. lone, error)
+      if (allocated(error)) return
+      call run%limit_threads()
+      if (command%information%echo) then
+         call print_text(run%deck%echo(), error)
+      else if (allocated(command%job%scheduler)) then
+         call job_text(run, command%job, command%deck, text, error)
+         if (.not. allocated(error)) call print_text(text, error)
+      else if (command%check_only) then
+         call print_check(run, command%estimate, error)
+      else if (command%preview) then
+         call write_preview(run, preview, error)
+         if (allocated(error)) deallocate (preview)
+      else
+         call run%start(error)
          if (allocated(error)) return
-         if (command%point) then
-            call run_point(session, error)
-            return
-         end if
-         if (command%grains) then
-            call run_grains(session, session%log, code, error)
-            return
-         end if
-         call build_setup(session, error)
-         if (allocated(error)) return
-         call limit_threads(session)
-         if (command%information%echo) then
-            call print_text(session%deck%echo(), error)
-         else if (allocated(command%job%scheduler)) then
-            call job_text(session, command%deck, text, error)
-            if (.not. allocated(error)) call print_text(text, error)
-         else if (command%check) then
-            call print_check(session, error)
-         else if (command%preview) then
-            call write_preview(session, session%preview_folder, error)
-            if (allocated(error)) deallocate (session%preview_folder)
-         else
-            call run_simulation(session, code, error)
-         end if
-      end associate
+         do while (.not. run%loop%finished)
+            call run%advance()
+         end do
+         call run%end(code, error)
+      end if
    end subroutine process_deck
 
    !> Refuse several processes of a program without MPI: each would compute and write the whole.
@@ -179,50 +185,22 @@ contains
    end subroutine check_launcher
 
    !> Print warnings, effects, costs and an estimate of the run time.
-   subroutine print_check(session, error)
-      type(session_t), intent(inout) :: session
+   subroutine print_check(run, estimate, error)
+      type(run_t), intent(inout) :: run
+      logical, intent(in) :: estimate                !! Estimate the run time?
       type(error_t), allocatable, intent(out) :: error !! The first state cannot be built
       character(len=:), allocatable :: existing, text
 
-      text = coded(session%deck%report())//new_line("a")// &
-         effects_text(session%schema, session%deck)// &
-         cost_report(session%simulation, session%bodies, session%survey, session%limits, &
-         session%outputs%full_snapshots(session%limits%time_end))
-      existing = existing_results_text(session)
+      text = coded(run%deck%report())//new_line("a")//effects_text(run%schema, run%deck)// &
+         cost_report(run%simulation, run%bodies, run%survey, run%limits, &
+         run%outputs%full_snapshots(run%limits%time_end))
+      existing = existing_results_text(run)
       if (len(existing) > 0) text = text//existing//new_line("a")
       call print_text(text, error)
       if (allocated(error)) return
-      if (.not. session%command%estimate .or. session%survey%particles > most_particles) return
-      if (.not. memory_suffices(memory_bytes(session%simulation, session%survey))) return
-      call estimate_text(session, text, error)
+      if (.not. estimate .or. run%survey%particles > most_particles) return
+      if (.not. memory_suffices(memory_bytes(run%simulation, run%survey))) return
+      call estimate_text(run, text, error)
       if (.not. allocated(error)) call print_text(text, error)
    end subroutine print_check
-
-   !> Drive one material point.
-   subroutine run_point(session, error)
-      type(session_t), intent(inout) :: session
-      type(error_t), allocatable, intent(out) :: error
-      character(len=:), allocatable :: note
-
-      call check_case(session%deck)
-      call session%deck%verdict(error)
-      if (allocated(error)) return
-      call drive_point(session%deck, session%command%output%folder, note, error)
-      if (.not. allocated(error)) call print_text(note//new_line("a"), error)
-   end subroutine run_point
-
-   !> Run the simulation from its first state or a checkpoint to its end.
-   subroutine run_simulation(session, code, error)
-      type(session_t), intent(inout) :: session      !! Complete, without particles
-      integer, intent(out) :: code                   !! Exit code
-      type(error_t), allocatable, intent(out) :: error
-
-      code = exit_success
-      call begin_run(session, error)
-      if (allocated(error)) return
-      do while (.not. session%loop%finished)
-         call advance_run(session)
-      end do
-      call end_run(session, code, error)
-   end subroutine run_simulation
 end module program_main

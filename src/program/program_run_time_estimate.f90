@@ -11,7 +11,7 @@ module program_run_time_estimate
    use omp_lib, only: omp_get_max_threads
    use program_trial_steps, only: run_trial, time_history_row, trial_t, warm_steps
    use run_limits, only: read_limits
-   use run_setup, only: read_setup, run_setup_t
+   use run_setup, only: a_scene, run_setup_t
    use scene_body_placement, only: check_placement
    use scene_first_state, only: make_first_state
    use scene_particles, only: take_survey
@@ -175,8 +175,8 @@ contains
       type(error_t), allocatable :: error
 
       found = .false.
-      small%command = setup%command
-      call read_setup(small, error)
+      small%options = setup%options
+      call small%read(a_scene, error)
       if (allocated(error)) return
       call set_up_scene(small%deck, small%simulation, small%bodies, small%shapes, coarser)
       if (.not. allocated(small%bodies)) return

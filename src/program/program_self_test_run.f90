@@ -16,9 +16,8 @@ module program_self_test_run
    use omp_lib, only: omp_set_num_threads
    use output_checkpoint, only: describe_state
    use particle_store, only: store_t
-   use program_command_line, only: parse_command_line
-   use run_session, only: advance_run, begin_run, end_run, session_t
-   use run_setup, only: build_setup, read_setup
+   use run_setup, only: a_scene
+   use run_type, only: run_t
    use step_ledger, only: balance_t
    implicit none
    private
@@ -46,47 +45,47 @@ contains
       integer, intent(in) :: threads                 !! Number of threads of a rank
       type(outcome_t), intent(out) :: outcome
       type(error_t), allocatable, intent(out) :: error !! The run failed
-      type(session_t), allocatable :: session
+      type(run_t), allocatable :: run
       integer :: code
 
       call omp_set_num_threads(threads)
-      allocate (session)
-      session%log%mute = .true.
-      call parse_command_line(arguments, session%command, error)
+      allocate (run)
+      run%log%mute = .true.
+      call run%options%parse(arguments, error)
       if (allocated(error)) return
-      call session%simulation%machine%communicator%start()
-      call read_setup(session, error)
-      if (.not. allocated(error)) call build_setup(session, error)
+      call run%simulation%machine%communicator%start()
+      call run%read(a_scene, error)
+      if (.not. allocated(error)) call run%build(.true., error)
       if (allocated(error)) return
       ! a test that a signal ends has no result
-      deallocate (session%limits%signals)
-      allocate (character(len=4) :: session%limits%signals(0))
-      call begin_run(session, error)
+      deallocate (run%limits%signals)
+      allocate (character(len=4) :: run%limits%signals(0))
+      call run%start(error)
       if (allocated(error)) return
-      call advance_to_end(session, outcome, error)
-      if (.not. allocated(error)) call end_run(session, code, error)
+      call advance_to_end(run, outcome, error)
+      if (.not. allocated(error)) call run%end(code, error)
       if (.not. allocated(error) .and. code /= exit_success) call fail(error, exit_internal, &
-         session%loop%reason)
-      if (.not. allocated(error)) call measure(session, outcome, error)
-      call session%log%close()
+         run%loop%reason)
+      if (.not. allocated(error)) call measure(run, outcome, error)
+      call run%log%close()
    end subroutine run_scene
 
    !> Do all steps of a run, and write a checkpoint after half of them. Collective.
-   subroutine advance_to_end(session, outcome, error)
-      type(session_t), intent(inout) :: session      !! Has begun
+   subroutine advance_to_end(run, outcome, error)
+      type(run_t), intent(inout) :: run      !! Has begun
       type(outcome_t), intent(inout) :: outcome      !! Gets the checkpoint
       type(error_t), allocatable, intent(out) :: error !! The checkpoint is not written
 
-      associate (communicator => session%simulation%machine%communicator)
-         do while (.not. session%loop%finished)
-            call advance_run(session)
-            if (session%command%restart) cycle
-            if (session%simulation%clock%step /= session%limits%max_steps/2) cycle
-            outcome%checkpoint = session%place%path()
-            call session%loop%checkpoint(session%simulation, session%outputs, session%place, &
-               session%log, error)
+      associate (communicator => run%simulation%machine%communicator)
+         do while (.not. run%loop%finished)
+            call run%advance()
+            if (run%options%restart) cycle
+            if (run%simulation%clock%step /= run%limits%max_steps/2) cycle
+            outcome%checkpoint = run%place%path()
+            call run%loop%checkpoint(run%simulation, run%outputs, run%place, &
+               run%log, error)
             if (allocated(error)) return
-            outcome%halfway = digest_of(session)
+            outcome%halfway = digest_of(run)
             call file_digest(communicator, outcome%checkpoint, outcome%stored, error)
             if (allocated(error)) return
          end do
@@ -94,26 +93,26 @@ contains
    end subroutine advance_to_end
 
    !> Digest of the present state. Collective.
-   function digest_of(session) result(digest)
-      type(session_t), intent(inout) :: session      !! Not changed
+   function digest_of(run) result(digest)
+      type(run_t), intent(inout) :: run      !! Not changed
       character(len=16) :: digest
       type(state_t) :: state
 
-      call describe_state(session%simulation, state)
-      digest = state_digest(session%simulation%machine%communicator, session%simulation%stores, &
+      call describe_state(run%simulation, state)
+      digest = state_digest(run%simulation%machine%communicator, run%simulation%stores, &
          state)
    end function digest_of
 
    !> Digest, balance and last snapshot of a run at its end. Collective.
-   subroutine measure(session, outcome, error)
-      type(session_t), intent(inout) :: session      !! At its end
+   subroutine measure(run, outcome, error)
+      type(run_t), intent(inout) :: run      !! At its end
       type(outcome_t), intent(inout) :: outcome      !! Gets the digests
       type(error_t), allocatable, intent(out) :: error !! The snapshot cannot be read
       integer(int64) :: counts(1)
       integer :: index
 
-      associate (simulation => session%simulation)
-         outcome%digest = digest_of(session)
+      associate (simulation => run%simulation)
+         outcome%digest = digest_of(run)
          outcome%steps = simulation%clock%step
          counts = 0
          do index = 1, size(simulation%stores)
@@ -124,7 +123,7 @@ contains
          call simulation%balance%ledger%balance(simulation%machine%communicator, &
             simulation%space%grid, simulation%stores, simulation%materials, outcome%balance)
          call compare_snapshot(simulation%machine%communicator, simulation%stores, &
-            join_path(session%outputs%folder, session%outputs%case//"_p_"), outcome, error)
+            join_path(run%outputs%folder, run%outputs%case//"_p_"), outcome, error)
       end associate
    end subroutine measure
 

@@ -67,19 +67,19 @@ contains
       type(former_run_t) :: former
 
       fresh = .false.
-      associate (communicator => setup%simulation%machine%communicator, command => setup%command, &
+      associate (communicator => setup%simulation%machine%communicator, options => setup%options, &
          outputs => setup%outputs)
          if (communicator%rank == 0) then
             call find_former_run(outputs%folder, outputs%case, outputs%header%echo, former)
-            if (command%restart) then
-               fresh = .not. (former%results .or. allocated(command%checkpoint))
-               if (former%results .and. allocated(command%checkpoint)) then
+            if (options%restart) then
+               fresh = .not. (former%results .or. allocated(options%checkpoint))
+               if (former%results .and. allocated(options%checkpoint)) then
                   if (.not. is_own_checkpoint(outputs%folder, outputs%case, &
-                     command%checkpoint)) call fail(error, exit_file, location_text(setup)// &
-                     " and '"//command%checkpoint//"' is not of that run; give another "// &
+                     options%checkpoint)) call fail(error, exit_file, location_text(setup)// &
+                     " and '"//options%checkpoint//"' is not of that run; give another "// &
                      "--outdir or --case")
                end if
-            else if (command%output%overwrite) then
+            else if (options%overwrite) then
                call remove_former_run(outputs%folder, former, error)
             else if (former%results) then
                call fail(error, exit_file, location_text(setup)//options_text(former))
@@ -87,7 +87,7 @@ contains
          end if
          call agree(communicator, error)
          fresh = communicator%any(fresh)
-         if (fresh) command%restart = .false.
+         if (fresh) options%restart = .false.
       end associate
    end subroutine protect_results
 
@@ -98,7 +98,7 @@ contains
       type(former_run_t) :: former
 
       text = ""
-      if (setup%command%output%overwrite) return
+      if (setup%options%overwrite) return
       call find_former_run(setup%outputs%folder, setup%outputs%case, setup%outputs%header%echo, &
          former)
       if (former%results) text = "warning: "//location_text(setup)//options_text(former)

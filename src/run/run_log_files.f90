@@ -43,11 +43,11 @@ contains
          ! a link of this name may lead to a file elsewhere, which must not change
          if (communicator%rank == 0) call remove_file(stem//".log")
          call log%open(communicator%rank, stem//".log", log_level(setup%deck, &
-            setup%command%output%verbose), setup%command%output%quiet, error)
+            setup%options%verbose), setup%options%quiet, error)
          call agree(communicator, error)
          if (allocated(error)) return
          call log%info(version_line())
-         call log%info("deck      "//setup%command%deck//"  case "//outputs%case//"  "// &
+         call log%info("deck      "//setup%options%deck//"  case "//outputs%case//"  "// &
             number(communicator%size)//" ranks x "//number(omp_get_max_threads())// &
             " threads  results "//outputs%folder)
          line = threads_text(most_threads, &

@@ -26,7 +26,7 @@ contains
       logical :: ended
 
       file = ""
-      if (allocated(setup%command%checkpoint)) file = setup%command%checkpoint
+      if (allocated(setup%options%checkpoint)) file = setup%options%checkpoint
       call resume(setup%simulation, setup%outputs, setup%place, file, note, changes, error)
       if (allocated(error)) return
       associate (simulation => setup%simulation, limits => setup%limits)

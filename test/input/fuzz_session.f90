@@ -9,8 +9,7 @@ module fuzz_session
    use deck_schema, only: schema_t
    use grains_deck, only: check_grains
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use program_command_line, only: parse_command_line
-   use run_setup, only: build_setup, read_setup, run_setup_t
+   use run_setup, only: a_grain_cell, a_scene, run_setup_t
    implicit none
    private
 
@@ -57,19 +56,17 @@ contains
       type(error_t), allocatable, intent(out) :: error !! Error in the deck or its files
       type(text_t), allocatable :: words(:)
 
-      call append(words, "--check")
-      if (grains) call append(words, "--grains")
       call append(words, path)
       setup%schema = schema
       setup%most_points = most_points
-      call parse_command_line(words, setup%command, error)
-      if (.not. allocated(error)) call read_setup(setup, error)
+      call setup%options%parse(words, error)
+      if (.not. allocated(error)) call setup%read(merge(a_grain_cell, a_scene, grains), error)
       if (allocated(error)) return
       if (grains) then
          call check_grains(setup%deck)
          call setup%deck%verdict(error)
       else
-         call build_setup(setup, error)
+         call setup%build(.false., error)
       end if
    end subroutine read_scene
 

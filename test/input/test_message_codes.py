@@ -28,7 +28,7 @@ BEFORE = {"io_stl": "cannot read the facets of '...': ", "io_points": "cannot re
 COMPOSED = {
     ("deck_number", "must be ..."), ("deck_value", "...;"), ("deck_define", "...;"),
     ("deck_number", "... such as"), ("sample_fields", "output field '...' ..."), ("io_restart", "step and time"),
-    ("output_history_columns", "output field '...' ..."), ("run_command", "command line: error: ..."),
+    ("output_history_columns", "output field '...' ..."), ("run_options", "command line: error: ..."),
     ("run_time_loop", "warning: ... before t_end"), ("scene_velocity_formula", "... in its component"),
     ("output_history_columns", "...;"), ("output_history_columns", "is unknown in a history"),
     ("step_trust", "...;"), ("step_trust", "...: they no longer")}
