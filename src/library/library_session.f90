@@ -4,14 +4,13 @@
 !! threads of the caller.
 module library_session
    use base_communicator, only: message_passing_has_ended, message_passing_has_started
-   use base_error, only: error_t, exit_input, exit_success, fail
+   use base_error, only: code_last, error_t, exit_input, exit_success, fail, without_code
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use, intrinsic :: iso_c_binding, only: c_char
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use program_command_line, only: parse_command_line
    use run_command, only: command_t
-   use run_messages, only: add_codes, with_code
    use run_session, only: advance_run, begin_run, end_run, limit_threads, session_t
    use run_setup, only: build_setup, read_setup
    use run_threads, only: share_cores
@@ -54,7 +53,6 @@ contains
       host = omp_get_max_threads()
       call parse_command_line(arguments, self%command, error)
       self%log%mute = self%command%output%quiet
-      self%log%annotate => add_codes
       if (.not. allocated(error)) call require_run(self%command, error)
       if (.not. allocated(error)) call join_ranks(self, given, communicator, error)
       if (.not. allocated(error)) then
@@ -91,7 +89,7 @@ contains
          .or. command%information%echo &
          .or. command%preview .or. command%point .or. command%grains .or. command%self_test &
          .or. allocated(command%job%scheduler)) call fail(error, exit_input, "the library runs "// &
-         "decks only; use the program scree for this option")
+         "decks only; use the program scree for this option [R129]")
    end subroutine require_run
 
    !> Use a copy of the communicator of the caller, or of all ranks. Collective.
@@ -105,11 +103,11 @@ contains
       if (message_passing_has_started()) then
          if (message_passing_has_ended()) then
             call fail(error, exit_input, "MPI was finalised in this process, so no "// &
-               "simulation can start; start it earlier, or in another process")
+               "simulation can start; start it earlier, or in another process [R130]")
             return
          end if
       else if (given) then
-         call fail(error, exit_input, "a communicator needs MPI to be initialised")
+         call fail(error, exit_input, "a communicator needs MPI to be initialised [R130]")
          return
       end if
       associate (own => self%simulation%machine%communicator)
@@ -192,7 +190,7 @@ contains
          self%running = .false.
          self%generation = self%generation + 1
          if (.not. allocated(error)) then
-            self%message = self%loop%reason
+            self%message = without_code(self%loop%reason)
             return
          end if
       end if
@@ -218,7 +216,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (.not. self%running) call fail(error, exit_input, &
-         "the simulation has ended; create a new one")
+         "the simulation has ended; create a new one [R129]")
    end subroutine session_refuse_ended
 
    !> Keep the message of an error and return its exit code; 0 without an error.
@@ -230,6 +228,6 @@ contains
       self%message = ""
       if (.not. allocated(error)) return
       code = error%code
-      self%message = with_code(error%message)
+      self%message = code_last(error%message)
    end function session_note
 end module library_session

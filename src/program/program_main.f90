@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The program: from the command line to the exit code. The only place that prints errors.
 module program_main
-   use base_error, only: error_t, exit_again, exit_input, exit_success, fail
+   use base_error, only: error_t, exit_again, exit_input, exit_success, fail, with_hint
    use base_file, only: join_path, occupy_streams, print_text, write_file
    use base_process, only: ranks_of_launcher
    use base_text, only: append
@@ -22,7 +22,6 @@ module program_main
    use run_existing_results, only: existing_results_text
    use run_material_point, only: drive_point
    use run_memory, only: end_without_memory, memory_suffices
-   use run_messages, only: add_codes, coded
    use run_session, only: advance_run, begin_run, end_run, limit_threads, session_t
    use run_setup, only: build_setup, declare_deck_keys, read_setup
    use run_signals, only: ignore_file_size_limit
@@ -46,7 +45,6 @@ contains
       code = exit_success
       call occupy_streams()
       call ignore_file_size_limit()
-      session%log%annotate => add_codes
       call parse_command_line(program_arguments(), session%command, error)
       if (.not. allocated(error)) then
          if (session%command%information%is_set()) then
@@ -175,7 +173,7 @@ contains
       if (has_ranks) return
       if (ranks_of_launcher() == 1) return
       call fail(error, exit_input, "this scree was built without MPI, for one rank: start it "// &
-         "without mpirun or srun, with threads (OMP_NUM_THREADS), or use a build with MPI")
+         "without mpirun or srun, with threads (OMP_NUM_THREADS), or use a build with MPI [C117]")
    end subroutine check_launcher
 
    !> Print warnings, effects, costs and an estimate of the run time.
@@ -184,7 +182,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The first state cannot be built
       character(len=:), allocatable :: existing, text
 
-      text = coded(session%deck%report())//new_line("a")// &
+      text = with_hint(session%deck%report())//new_line("a")// &
          effects_text(session%schema, session%deck)// &
          cost_report(session%simulation, session%bodies, session%survey, session%limits, &
          session%outputs%full_snapshots(session%limits%time_end))
