@@ -41,11 +41,11 @@ contains
    end subroutine fail
 
    !> A text with the code of each line at the end of the line.
-   pure function code_last(text) result(arranged)
+   pure function code_last(text) result(ordered)
       character(len=*), intent(in) :: text             !! One or more lines
-      character(len=:), allocatable :: arranged
+      character(len=:), allocatable :: ordered
 
-      arranged = with_codes_at_end(text, code_length)
+      ordered = with_codes_at_end(text, code_length)
    end function code_last
 
    !> A text without codes.
@@ -57,21 +57,21 @@ contains
    end function without_code
 
    !> A text with some letters of the code of each line at the end of the line.
-   pure function with_codes_at_end(text, letters) result(arranged)
+   pure function with_codes_at_end(text, letters) result(ordered)
       character(len=*), intent(in) :: text             !! One or more lines
       integer, intent(in) :: letters                   !! Letters of the code that are kept
-      character(len=:), allocatable :: arranged
+      character(len=:), allocatable :: ordered
       integer :: code, first, last
 
-      arranged = ""
+      ordered = ""
       first = 1
       do while (first <= len(text))
          last = first + index(text(first:)//newline, newline) - 2
          code = first - 1 + code_place(text(first:last))
          if (code < first) code = last + 1
-         arranged = arranged//text(first:code - 1)//text(code + code_length:last)// &
+         ordered = ordered//text(first:code - 1)//text(code + code_length:last)// &
             text(code:min(code + letters - 1, last))
-         if (last < len(text)) arranged = arranged//newline
+         if (last < len(text)) ordered = ordered//newline
          first = last + 2
       end do
    end function with_codes_at_end
