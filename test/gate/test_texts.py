@@ -124,9 +124,11 @@ class TestMessageCodes:
         found = {}
         for path in project_files(".f90", under="src"):
             for number, line in enumerate(lines_of(path), 1):
-                for code in message_sites.CODE.findall(re.sub(r"!.*", "", line)):
-                    found[code] = place(path, number)
-                assert len(message_sites.CODE.findall(line)) < 3, place(path, number)
+                for text in message_sites.LITERAL.findall(line):
+                    codes = message_sites.CODE.findall(text)
+                    found.update(dict.fromkeys(codes, place(path, number)))
+                    assert len(codes) < 2 and text.endswith(tuple(f"[{code}]" for code in codes) or ""), \
+                        f"{place(path, number)}: the code must end the text"
         records = {message.code for message in self.known}
         assert {code: where for code, where in found.items() if code not in records} == {}
         assert records - set(found) == set()
