@@ -5,14 +5,14 @@
     python3 scripts/document_messages.py --scree build/bin/scree --check     exit code 1 if out of date
 
 The files src/run/messages/*.txt contain the code, text, cause and remedy of each message. The build includes them
-in the program, which prints the code after a message with this text. This script generates an example of each
+in the program. In the sources the text of a message ends with its code. This script generates an example of each
 message: it runs the program on a wrong deck and checks that the message is printed with its code. The deck is that of
 a row of the tables of test/input (broken_*.py) with this message, unless scripts/messages contains another one
 (examples.py: decks; situations.py: commands, files and runs). Examples are written to the page and to
 src/run/messages/examples.txt, which the build also includes in the program.
 
-For a new message add a record with the next free code of its section, build, run this script, check the page, and build
-again. A code is never used for another message. Only the standard library is needed.
+For a new message add its code at its call and a record with the next free code of its section, build, run this script,
+check the page, and build again. A code is never used for another message. Only the standard library is needed.
 """
 import argparse
 import os

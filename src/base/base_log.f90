@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The log of rank 0 on the screen and in a file.
 module base_log
-   use base_error, only: error_t, exit_file, fail
+   use base_error, only: code_last, error_t, exit_file, explain_hint, fail, with_hint
    use base_kinds, only: int64, wp
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    implicit none
@@ -22,8 +22,6 @@ module base_log
       logical, private :: screen = .true.                !! Also to the screen?
       integer, private :: unit = no_unit                 !! Unit of the file
       logical, private :: hinted = .false.               !! Was the hint of a message printed?
-      !> Adds codes to errors and warnings, if it is set
-      procedure(annotate_lines), pointer, nopass :: annotate => null()
    contains
       procedure :: open => log_open                      !! Choose rank, file and level
       procedure :: error => log_print_error              !! Errors
@@ -32,16 +30,6 @@ module base_log
       procedure :: debug => log_print_debug              !! Details, never on the screen
       procedure :: close => log_close                    !! Close the file
    end type log_t
-
-   abstract interface
-      !> Add codes to lines of errors and warnings.
-      subroutine annotate_lines(text, with_codes, hint)
-         implicit none
-         character(len=*), intent(in) :: text            !! One or more lines
-         character(len=:), allocatable, intent(out) :: with_codes !! The same lines
-         character(len=:), allocatable, intent(out) :: hint !! Command that explains more, or empty
-      end subroutine annotate_lines
-   end interface
 
    !> Content of a line of progress.
    type :: progress_t
@@ -79,7 +67,7 @@ contains
          iomsg=reason)
       if (status == 0) return
       self%unit = no_unit
-      call fail(error, exit_file, "cannot write the log: "//trim(reason))
+      call fail(error, exit_file, "cannot write the log: "//trim(reason)//" [F103]")
    end subroutine log_open
 
    !> Write an error, also to the standard error stream, quiet or not.
@@ -99,24 +87,17 @@ contains
       if (self%writes .and. self%level >= log_warn) call write_message(self, text)
    end subroutine log_print_warning
 
-   !> Write an error or a warning with its code, and once how to read more about it.
+   !> Write an error or a warning, its code last, and once how to read more about it.
    subroutine write_message(self, text)
       class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines
-      character(len=:), allocatable :: hint, with_codes
+      character(len=:), allocatable :: lines
 
-      with_codes = text
-      if (associated(self%annotate)) then
-         call self%annotate(text, with_codes, hint)
-         if (hint /= "" .and. .not. self%hinted) then
-            if (with_codes(len(with_codes):) /= new_line("a")) &
-               with_codes = with_codes//new_line("a")
-            with_codes = with_codes//hint
-            self%hinted = .true.
-         end if
-      end if
-      if (.not. self%mute) call write_to_stream(error_unit, with_codes)
-      call write_to_file(self, with_codes)
+      lines = code_last(text)
+      if (.not. self%hinted) lines = with_hint(lines)
+      self%hinted = self%hinted .or. explain_hint(lines) /= ""
+      if (.not. self%mute) call write_to_stream(error_unit, lines)
+      call write_to_file(self, lines)
    end subroutine write_message
 
    !> Write progress and results.

@@ -30,10 +30,10 @@ contains
          call read_character(text, at, code, last)
          if (code == malformed) then
             problem = "has bytes that are not UTF-8 text, the first one at place "//number(at)// &
-               "; save the file as UTF-8"
+               "; save the file as UTF-8 [D233]"
          else if (code < 32 .or. (code >= 127 .and. code < 160)) then
             problem = "has a control character, number "//number(code)//" at place "//number(at)// &
-               "; only printable characters are allowed"
+               "; only printable characters are allowed [D233]"
          end if
          at = last + 1
       end do
@@ -48,10 +48,10 @@ contains
       problem = text_problem(name)
       if (problem /= "") return
       if (len(name) > longest_name_of_user) then
-         problem = "is longer than "//number(longest_name_of_user)//" letters"
+         problem = "is longer than "//number(longest_name_of_user)//" letters [D225]"
          return
       end if
-      problem = "is not a name: "//name_rule
+      problem = "is not a name: "//name_rule//" [D215]"
       if (name == "") return
       if (scan(name(1:1), ".-") == 1) return
       at = 1

@@ -91,7 +91,7 @@ contains
          file = command_line
          line = 0
          if (used%broken) call problems%error(file, line, "&define: "//piece%key//" = "// &
-            overrides(i)%text(n + 1:)//"  <- is not a value")
+            overrides(i)%text(n + 1:)//"  <- is not a value [C104]")
       end do
       value = 0.0_wp
       if (.not. used%broken) call self%resolve("&define", file, used, problems)
@@ -118,16 +118,16 @@ contains
       fault = ""
       associate (name => piece%key)
          if (piece%subscript /= "") then
-            fault = name//piece%subscript//": a name has one number; use a name for each"
+            fault = name//piece%subscript//": a name has one number; use a name for each [D204]"
          else if (verify(name, letters_of_names) > 0 .or. scan(name, "0123456789_") == 1) then
             fault = "'"//name//"' is not a name; names begin with a letter and continue with "// &
-               "letters, digits and _"
+               "letters, digits and _ [D204]"
          else if (is_reserved(name)) then
-            fault = "'"//name//"' is the name of a function or constant; use another name"
+            fault = "'"//name//"' is the name of a function or constant; use another name [D204]"
          end if
          do i = 1, size(self%names)
             if (self%names(i)%text == name .and. fault == "") fault = name// &
-               " is given twice, first in line "//number(self%lines(i))
+               " is given twice, first in line "//number(self%lines(i))//" [D114]"
          end do
       end associate
    end subroutine check_name
@@ -148,7 +148,8 @@ contains
       end do
       near = closest(name, self%names)
       if (near /= "") near = "; did you mean '"//near//"'?"
-      call problems%error(command_line, 0, "&define: the deck defines no '"//name//"'"//near)
+      call problems%error(command_line, 0, "&define: the deck defines no '"//name//"'"//near// &
+         " [D204]")
    end subroutine check_override
 
    !> Cut a value of the command line into tokens.
@@ -177,7 +178,8 @@ contains
       integer :: i, verdict
 
       value = 0.0_wp
-      fault = "expects one number, with or without a unit; expressions need braces, such as {2*pi}"
+      fault = "expects one number, with or without a unit; expressions need braces, such as "// &
+         "{2*pi} [D204]"
       if (size(tokens) == 0) return
       if (any(tokens%quoted) .or. any(tokens%comma)) return
       call split_unit(tokens(1)%text, digits, unit)
@@ -291,9 +293,9 @@ contains
       end if
       do i = size(self%names) + 1, size(self%later)
          if (index(fault, "no name '"//self%later(i)%text//"'") == 1) fault = &
-            self%later(i)%text//" is defined later; move its definition before this one"
+            self%later(i)%text//" is defined later; move its definition before this one [D204]"
       end do
-      if (any(fault == ["no name 'x'", "no name 'y'", "no name 'z'"])) then
+      if (any([(fault == "no name '"//"xyz"(i:i)//"' [D203]", i=1, 3)])) then
          fault = fault//"; a formula of the position is written without braces"
       else if (size(self%later) == 0 .and. index(fault, "no name '") == 1) then
          fault = fault//"; names are given by &define name = number /"

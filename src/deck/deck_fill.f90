@@ -43,7 +43,7 @@ contains
             counts(rule) = counts(rule) + 1
             if (counts(rule) > 1 .and. .not. schema%groups(rule)%many) then
                call problems%error(block%file, block%line, "&"//block%name// &
-                  " appears twice; only one is allowed")
+                  " appears twice; only one is allowed [D115]")
                cycle
             end if
             filled = filled + 1
@@ -97,7 +97,7 @@ contains
             end if
             if (group%values(place)%given .and. piece%subscript == "") then
                call problems%error(block%file, piece%line, "&"//rule%name//": "//piece%key// &
-                  " is given twice, first in line "//number(group%values(place)%line))
+                  " is given twice, first in line "//number(group%values(place)%line)//" [D114]")
                cycle
             end if
             resolved = piece
@@ -133,7 +133,7 @@ contains
             value%valid = .false.
             call problems%error(file, piece%line, "&"//rule%name//": "//key%name// &
                piece%subscript//"  <- the subscript must be from 1 to "// &
-               number(key%number_of_values))
+               number(key%number_of_values)//" [D213]")
             return
          end if
          call convert(key, piece%tokens, subscript, system, value, problem)
@@ -260,7 +260,7 @@ contains
             if (missing == 0) cycle
             value%valid = .false.
             call problems%error(value%file, value%line, "&"//rule%name//": "//key%name// &
-               " has no value in place "//number(missing))
+               " has no value in place "//number(missing)//" [D224]")
          end associate
       end do
    end subroutine fill_defaults

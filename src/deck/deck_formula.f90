@@ -72,11 +72,12 @@ contains
          source=0)
       allocate (self%constant(len(text) + 1), source=0.0_wp)
       if (text == "") then
-         call set_fault(parser, "the expression is empty")
+         call set_fault(parser, "the expression is empty [D203]")
       else
          call parse_sum(self, parser)
          if (next_letter(parser) /= " ") call set_fault(parser, "cannot follow here: '"// &
-            parser%text(parser%at:parser%at)//"'"//advice(parser%text(parser%at:parser%at)))
+            parser%text(parser%at:parser%at)//"'"//advice(parser%text(parser%at:parser%at))// &
+            " [D203]")
       end if
       call move_alloc(parser%fault, fault)
       place = parser%fault_place
@@ -227,10 +228,10 @@ contains
       else if (scan(letter, figures//".") == 1) then
          call parse_number(self, parser)
       else if (letter == " ") then
-         call set_fault(parser, "ends where a number or a name is missing")
+         call set_fault(parser, "ends where a number or a name is missing [D203]")
       else
          call set_fault(parser, &
-            "a number or a name is missing before '"//letter//"'"//advice(letter))
+            "a number or a name is missing before '"//letter//"'"//advice(letter)//" [D203]")
       end if
    end subroutine parse_value
 
@@ -243,10 +244,10 @@ contains
       if (next_letter(parser) == ")") then
          parser%at = parser%at + 1
       else if (next_letter(parser) == " ") then
-         call set_fault(parser, "the bracket ( is not closed", opening)
+         call set_fault(parser, "the bracket ( is not closed [D203]", opening)
       else
          call set_fault(parser, "cannot follow here: '"//next_letter(parser)//"'"// &
-            advice(next_letter(parser)))
+            advice(next_letter(parser))//" [D203]")
       end if
    end subroutine close_bracket
 
@@ -269,7 +270,7 @@ contains
       end if
       call read_decimal(parser%text(first:last), 0, value, verdict)
       if (verdict /= decimal_good) then
-         call set_fault(parser, "is not a number: "//parser%text(first:last))
+         call set_fault(parser, "is not a number: "//parser%text(first:last)//" [D203]")
          return
       end if
       call append_operation(self, parser, code_constant, 1, first, constant=value)
@@ -303,13 +304,14 @@ contains
       if (name == "pi") then
          call append_operation(self, parser, code_constant, 1, first, constant=pi)
       else if (which > 0) then
-         call set_fault(parser, name//" needs its argument in brackets, such as "//name//"(x)", &
-            first)
+         call set_fault(parser, name//" needs its argument in brackets, such as "//name// &
+            "(x) [D203]", first)
       else if (next_letter(parser) == "(") then
-         call set_fault(parser, "no function '"//name//"'"//suggestion(name, function_list()), &
-            first)
+         call set_fault(parser, "no function '"//name//"'"//suggestion(name, function_list())// &
+            " [D203]", first)
       else
-         call set_fault(parser, "no name '"//name//"'"//suggestion(name, name_list(parser)), first)
+         call set_fault(parser, "no name '"//name//"'"//suggestion(name, name_list(parser))// &
+            " [D203]", first)
       end if
    end subroutine parse_name
 
@@ -335,10 +337,10 @@ contains
       end do
       call close_bracket(parser, opening)
       if (wanted == takes_any) then
-         if (given < 2) call set_fault(parser, name//" needs at least 2 arguments", first)
+         if (given < 2) call set_fault(parser, name//" needs at least 2 arguments [D203]", first)
       else if (given /= wanted) then
          call set_fault(parser, name//" takes "//number(wanted)//" argument"// &
-            trim(merge("s", " ", wanted > 1))//", not "//number(given), first)
+            trim(merge("s", " ", wanted > 1))//", not "//number(given)//" [D203]", first)
       else
          call append_operation(self, parser, code_function + which, 1 - wanted, first)
       end if

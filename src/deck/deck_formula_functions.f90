@@ -57,15 +57,15 @@ contains
          left = left - right
       case ("*")
          if (abs(right) > 1.0_wp .and. abs(left) > most/max(abs(right), 1.0_wp)) then
-            fault = "the product is too large"
+            fault = "the product is too large [D203]"
          else
             left = left*right
          end if
       case ("/")
          if (.not. abs(right) > 0.0_wp) then
-            fault = "division by zero"
+            fault = "division by zero [D203]"
          else if (abs(right) < 1.0_wp .and. abs(left) > most*min(abs(right), 1.0_wp)) then
-            fault = "the quotient is too large"
+            fault = "the quotient is too large [D203]"
          else
             left = left/right
          end if
@@ -73,7 +73,7 @@ contains
          call raise_to_power(left, right, fault)
       end select
       if (allocated(fault)) return
-      if (abs(left) > most) fault = "the result is too large"
+      if (abs(left) > most) fault = "the result is too large [D203]"
    end subroutine apply_operator
 
    !> Raise a base to a power, in place.
@@ -90,14 +90,14 @@ contains
       if (whole) odd = modulo(exponent, 2.0_wp) > 0.0_wp
       if (.not. abs(base) > 0.0_wp) then
          if (exponent < 0.0_wp) then
-            fault = "zero has no negative power"
+            fault = "zero has no negative power [D203]"
          else
             base = merge(0.0_wp, 1.0_wp, exponent > 0.0_wp)
          end if
       else if (base < 0.0_wp .and. .not. whole) then
-         fault = "a negative number has powers with integer exponents only"
+         fault = "a negative number has powers with integer exponents only [D203]"
       else if (exponent*log(abs(base)) > log(most)) then
-         fault = "the power is too large"
+         fault = "the power is too large [D203]"
       else
          size = abs(base)**exponent
          base = merge(-size, size, base < 0.0_wp .and. odd)
@@ -113,14 +113,14 @@ contains
 
       select case (function_names(which))
       case ("sqrt")
-         if (first < 0.0_wp) fault = "sqrt of a negative number"
+         if (first < 0.0_wp) fault = "sqrt of a negative number [D203]"
          first = sqrt(max(first, 0.0_wp))
       case ("exp")
-         if (first > log(most)) fault = "exp of it is too large"
+         if (first > log(most)) fault = "exp of it is too large [D203]"
          first = exp(min(first, log(most)))
       case ("log", "log10")
          if (.not. first > 0.0_wp) then
-            fault = trim(function_names(which))//" of a number that is not positive"
+            fault = trim(function_names(which))//" of a number that is not positive [D203]"
          else if (function_names(which) == "log") then
             first = log(first)
          else
@@ -128,7 +128,7 @@ contains
          end if
       case ("asin", "acos")
          if (abs(first) > 1.0_wp) then
-            fault = trim(function_names(which))//" of a number beyond 1"
+            fault = trim(function_names(which))//" of a number beyond 1 [D203]"
          else if (function_names(which) == "asin") then
             first = asin(first)
          else
@@ -136,7 +136,7 @@ contains
          end if
       case ("atan2")
          if (.not. (abs(first) > 0.0_wp .or. abs(second) > 0.0_wp)) then
-            fault = "atan2 of two zeros"
+            fault = "atan2 of two zeros [D203]"
          else
             first = atan2(first, second)
          end if
@@ -186,7 +186,7 @@ contains
          value = sine_of_degrees(90.0_wp - modulo(value, 360.0_wp))
       case default
          below = sine_of_degrees(90.0_wp - modulo(value, 360.0_wp))
-         if (.not. abs(below) > 0.0_wp) fault = "tand of an odd multiple of 90"
+         if (.not. abs(below) > 0.0_wp) fault = "tand of an odd multiple of 90 [D203]"
          if (.not. allocated(fault)) value = sine_of_degrees(value)/below
       end select
    end subroutine apply_angle

@@ -97,10 +97,10 @@ contains
 
       if (after_slash) then
          call problems%error(scanner%file, found%line, "text after the / that ends the group: "// &
-            scanner%rest_of_line(found%first)//"; texts need quotes, expressions braces")
+            scanner%rest_of_line(found%first)//"; texts need quotes, expressions braces [D103]")
       else
          call problems%error(scanner%file, found%line, "text outside a group: "// &
-            scanner%rest_of_line(found%first)//"; a group begins with &name and ends with /")
+            scanner%rest_of_line(found%first)//"; a group begins with &name and ends with / [D104]")
       end if
    end subroutine report_stray
 
@@ -146,12 +146,12 @@ contains
             if (lower(scanner%letters(words(filled)%first, words(filled)%last)) == "&end") exit
             if (.not. group%broken) call problems%error(group%file, words(filled)%line, &
                "&"//group%name//" opened in line "//number(group%line)// &
-               " is not closed before this group")
+               " is not closed before this group [D102]")
             call scanner%back(words(filled))
             exit
          case (word_nothing)
             if (.not. group%broken) call problems%error(group%file, group%line, &
-               "&"//group%name//" is not closed by a / before the end of the file")
+               "&"//group%name//" is not closed by a / before the end of the file [D102]")
             exit
          case (word_broken)
             group%broken = .true.
@@ -220,7 +220,8 @@ contains
       do i = 1, key_at(1) - 1
          if (words(i)%kind == word_comma .or. words(i)%kind == word_broken) cycle
          call problems%error(group%file, words(i)%line, "&"//group%name// &
-            ": expects key = value, not "//scanner%letters(words(i)%first, words(i)%last))
+            ": expects key = value, not "//scanner%letters(words(i)%first, words(i)%last)// &
+            " [D105]")
          exit
       end do
       allocate (group%pieces(pieces))
@@ -269,7 +270,7 @@ contains
          piece%broken = any(values%kind == word_broken)
          if (piece%key == "") then
             call problems%error(group%file, piece%line, "&"//group%name// &
-               ": an equals sign without a key before it")
+               ": an equals sign without a key before it [D106]")
             piece%broken = .true.
          end if
          total = size(values)

@@ -175,7 +175,7 @@ contains
 
       if (self%at - self%line_start > longest_line + 1) then
          call problems%error(self%file, self%line, "the line is longer than "// &
-            number(longest_line)//" characters; break it after a comma")
+            number(longest_line)//" characters; break it after a comma [D108]")
       end if
       self%at = self%at + 1
       self%line = self%line + 1
@@ -225,7 +225,7 @@ contains
       word%kind = word_broken
       if (self%inside == "") return
       call problems%error(self%file, self%line, "&"//self%inside//": the quote is not closed: "// &
-         self%rest_of_line(self%at))
+         self%rest_of_line(self%at)//" [D101]")
    end subroutine read_quoted
 
    !> Read an expression in braces. It must end in its line; if it does not, the rest of the line is
@@ -242,7 +242,7 @@ contains
       word%kind = word_broken
       if (self%inside == "") return
       call problems%error(self%file, self%line, "&"//self%inside//": the brace is not closed: "// &
-         self%rest_of_line(self%at)//"; an expression ends with } in its line")
+         self%rest_of_line(self%at)//"; an expression ends with } in its line [D101]")
    end subroutine read_formula
 
    !> Read any other word up to a blank or sign. Blanks and commas in brackets are a part of it, and

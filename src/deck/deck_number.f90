@@ -69,13 +69,13 @@ contains
       if (key%unit_text == "deg") then
          fits = fits .and. abs(own%angle - 1.0_wp) < grain
       else if (all(abs(key%unit%power) < grain)) then
-         problem = "takes a number without a unit, not '"//written//"'"
+         problem = "takes a number without a unit, not '"//written//"' [D202]"
          return
       else if (abs(own%angle) > grain) then
          fits = fits .and. key%unit_text == "1/s"
       end if
       if (fits) return
-      problem = "expects "//key%unit_text//" or a unit of the same kind"
+      problem = "expects "//key%unit_text//" or a unit of the same kind [D202]"
       select case (key%unit_text)
       case ("m")
          problem = problem//" such as mm"
@@ -110,7 +110,7 @@ contains
       case (decimal_none)
          problem = "?"
       case default
-         problem = "is too large or too small for a number"
+         problem = "is too large or too small for a number [D218]"
       end select
    end subroutine read_number
 
@@ -133,7 +133,11 @@ contains
          problem = "must be "//key%range%text
       end if
       if (key%unit_text /= "") problem = problem//" "//key%unit_text
-      if (key%range%hint /= "") problem = problem//"; "//key%range%hint
+      if (key%range%hint == "") then
+         problem = problem//" [D214]"
+      else
+         problem = problem//"; "//key%range%hint
+      end if
    end subroutine check_range
 
    !> Read an integer.
@@ -149,7 +153,7 @@ contains
       problem = "?"
       first = merge(2, 1, scan(text//" ", "+-") == 1)
       if (first > len(text) .or. verify(text(first:), figures) > 0) return
-      problem = "must not be beyond "//number(huge(whole))
+      problem = "must not be beyond "//number(huge(whole))//" [D217]"
       if (len(text) > 12) return
       read (text, *, iostat=status) long
       if (status /= 0 .or. abs(long) > huge(whole)) return
@@ -161,29 +165,35 @@ contains
    function expectation(key) result(text)
       type(key_t), intent(in) :: key
       character(len=:), allocatable :: text
-      character(len=16) :: one, several
 
       select case (key%kind)
       case (kind_real)
-         one = "a number"
-         several = "numbers"
+         text = counted(key, "a number [D201]", "numbers [D209]")
+         if (.not. key%exact .and. key%number_of_values > 1) &
+            text = counted(key, "", "numbers [D210]")
       case (kind_integer)
-         one = "an integer"
-         several = "integers"
+         text = counted(key, "an integer [D206]", "integers [D209]")
       case (kind_logical)
-         text = "expects .true. or .false."
-         return
+         text = "expects .true. or .false. [D208]"
       case default
-         one = "a text in quotes"
-         several = "texts in quotes"
+         text = counted(key, "a text in quotes [D207]", "texts in quotes [D207]")
       end select
+   end function expectation
+
+   !> The number of values that a key expects, in words.
+   function counted(key, one, several) result(text)
+      type(key_t), intent(in) :: key
+      character(len=*), intent(in) :: one                !! A single value
+      character(len=*), intent(in) :: several            !! Several values
+      character(len=:), allocatable :: text
+
       text = "expects "
       if (key%number_of_values == 1) then
-         text = text//trim(one)
+         text = text//one
       else if (key%exact) then
-         text = text//number(key%number_of_values)//" "//trim(several)
+         text = text//number(key%number_of_values)//" "//several
       else
-         text = text//"up to "//number(key%number_of_values)//" "//trim(several)
+         text = text//"up to "//number(key%number_of_values)//" "//several
       end if
-   end function expectation
+   end function counted
 end module deck_number

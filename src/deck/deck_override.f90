@@ -43,16 +43,16 @@ contains
          call split_assignment(text, group, choice, key, value)
       end if
       if (removes .and. (key == "" .or. scan(text, "=") > 0)) then
-         call problems%error(command_line, 0, text(2:)//"  <- --unset expects GROUP.KEY")
+         call problems%error(command_line, 0, text(2:)//"  <- --unset expects GROUP.KEY [C102]")
          return
       else if (key == "") then
-         call problems%error(command_line, 0, text//"  <- expects GROUP.KEY=VALUE")
+         call problems%error(command_line, 0, text//"  <- expects GROUP.KEY=VALUE [C102]")
          return
       end if
       if (group == "define") then
          ! values of definitions are already replaced
          if (removes) call problems%error(command_line, 0, "&define: "//key// &
-            " cannot be removed; --set gives it another value")
+            " cannot be removed; --set gives it another value [C102]")
          return
       end if
       rule = schema%find(group)
@@ -69,7 +69,7 @@ contains
       if (which == 0) return
       if (removes) then
          if (.not. groups(which)%values(place)%given) call problems%warning(command_line, 0, &
-            "&"//group//": "//key//" is not given, so --unset changes nothing")
+            "&"//group//": "//key//" is not given, so --unset changes nothing [C102]")
          ! not by a constructor: gfortran 12 loses the length of the name
          empty%key = schema%groups(rule)%keys(place)%name
          groups(which)%values(place) = empty
@@ -140,10 +140,10 @@ contains
          which = 0
          call problems%error(command_line, 0, "&"//rule%name// &
             ": write which one is meant, such as "// &
-            rule%name//"["//names(1)%text//"]; there are: "//join(names(:total), ", "))
+            rule%name//"["//names(1)%text//"]; there are: "//join(names(:total), ", ")//" [C111]")
       else if (which == 0 .and. rule%many) then
          call problems%error(command_line, 0, "no &"//rule%name//" '"//choice//"'; there are: "// &
-            join(names(:total), ", "))
+            join(names(:total), ", ")//" [C103]")
       else if (which == 0) then
          filled = filled + 1
          which = filled
@@ -174,7 +174,7 @@ contains
       end if
       if (piece%broken) then
          call problems%error(command_line, 0, "&"//rule%name//": "//key//" = "//value// &
-            "  <- is not a value")
+            "  <- is not a value [C104]")
       else
          call definitions%resolve("&"//rule%name, command_line, piece, problems, &
             rule%keys(place)%kind == kind_text .and. rule%keys(place)%unit_text /= "")

@@ -70,7 +70,7 @@ contains
       end do
       text = shifted(written, nint(key%unit%exponent(system)))
       if (len(text) > longest) problem = "is longer than "//number(longest)// &
-         " letters when it is written in SI; shorten it or write the deck in SI"
+         " letters when it is written in SI; shorten it or write the deck in SI [D229]"
    end subroutine convert_formula
 
    !> A formula times a power of ten.

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Applies presets: values for the keys of a group that the deck does not give and that apply.
 module deck_preset_lines
+   use base_error, only: without_code
    use deck_check, only: applies
    use deck_group_values, only: group_t
    use deck_index, only: deck_index_t
@@ -57,7 +58,7 @@ contains
       line = groups(which)%line("preset")
       if (place == 0) then
          call problems%error(groups(which)%file("preset"), line, "the preset gives "// &
-            entry%key//", which is not a key")
+            entry%key//", which is not a key [D228]")
          return
       end if
       if (groups(which)%given(entry%key)) return
@@ -71,7 +72,7 @@ contains
       call read_default(key, value, problem)
       reason = entry%key//" = "//entry%value
       if (problem /= "") call problems%error(groups(which)%file("preset"), line, &
-         "the preset gives "//reason//problem)
+         "the preset gives "//reason//without_code(problem)//" [D228]")
       value%given = .true.
       value%line = line
       value%file = groups(which)%file("preset")

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Errors and warnings of a deck, reported together in the order of the lines.
 module deck_problems
+   use base_error, only: code_last
    use base_text, only: buffer_t, number, text_t
    implicit none
    private
@@ -303,9 +304,9 @@ contains
       call buffer%add(problem%file//":")
       if (problem%line > 0) call buffer%add(number(problem%line)//":")
       if (problem%is_error) then
-         call buffer%line(" error: "//text)
+         call buffer%line(" error: "//code_last(text))
       else
-         call buffer%line(" warning: "//text)
+         call buffer%line(" warning: "//code_last(text))
       end if
    end subroutine add_entry
 

@@ -80,12 +80,12 @@ contains
          if (times(k) == 1 .or. abs(step(k)) > 0.0_wp) cycle
          call problems%error(body%file("repeat"), body%line("repeat"), label_of(body)// &
             ": repeat along "//axes(k)//" needs a repeat_step along "//axes(k)// &
-            " that is not 0, the distance from one copy to the next")
+            " that is not 0, the distance from one copy to the next [D205]")
          return
       end do
       if (product(real(times, wp)) > real(most_copies, wp)) then
          call problems%error(body%file("repeat"), body%line("repeat"), label_of(body)// &
-            ": repeat makes more than "//number(most_copies)//" bodies; reduce it")
+            ": repeat makes more than "//number(most_copies)//" bodies; reduce it [D205]")
          return
       end if
       copies = product(times)

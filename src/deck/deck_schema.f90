@@ -311,7 +311,7 @@ contains
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: hint               !! Follows the range in a message
+      character(len=*), intent(in) :: hint               !! Ends a message, with its code
       integer :: place(2)
 
       place = self%locate(group, name)
@@ -401,7 +401,7 @@ contains
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: what               !! Error message
 
-      if (.not. allocated(self%fault)) self%fault = "declaration of the deck: "//what
+      if (.not. allocated(self%fault)) self%fault = "declaration of the deck: "//what//" [R124]"
    end subroutine record_mistake
 
    !> Index of a group, 0 if there is none of that name.

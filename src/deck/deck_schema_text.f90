@@ -61,7 +61,7 @@ contains
       if (text /= "") return
       near = closest(wanted(index(wanted, ".") + 1:), names)
       if (near /= "") near = "; did you mean '"//near//"'?"
-      call fail(error, exit_input, "no key '"//name//"'"//near//newline// &
+      call fail(error, exit_input, "no key '"//name//"'"//near//" [C116]"//newline// &
          "groups: "//join(schema%names(), " "))
    end subroutine explain
 
@@ -123,7 +123,7 @@ contains
          end associate
       end do
       if (text == "") text = "; there are: "//join(schema%names(), " ")
-      text = "unknown group &"//name//text
+      text = "unknown group &"//name//text//" [D112]"
    end function unknown_group
 
    !> Error message for a key that does not exist, with the one that was probably meant.
@@ -140,7 +140,7 @@ contains
       if (text == "") text = key_by_meaning(rule, key, least=0)
       if (text == "") text = key_of_others(schema, key, errors=1)
       if (text == "") text = "; scree --explain "//rule%name//" lists the keys"
-      text = "&"//rule%name//": unknown key '"//key//"'"//text
+      text = "&"//rule%name//": unknown key '"//key//"'"//text//" [D113]"
    end function unknown_key
 
    !> True if a text contains all words of a word, which are joined by underscores.

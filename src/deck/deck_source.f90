@@ -36,7 +36,7 @@ contains
       if (allocated(error)) return
       if (scan(text, "&") == 0) call fail(error, exit_input, path//own_error// &
          "the deck is empty; "// &
-         "scree --template prints one with all keys")
+         "scree --template prints one with all keys [D109]")
    end subroutine read_deck_file
 
    !> Append a file to the text, with the files that it includes.
@@ -92,7 +92,7 @@ contains
       place = path//":"//number(block%line)//": error: &include: "
       call file_of(block, name)
       if (name == "") then
-         call fail(error, exit_input, place//"expects file = 'name' and nothing else")
+         call fail(error, exit_input, place//"expects file = 'name' and nothing else [D110]")
          return
       end if
       if (name(1:1) /= "/" .and. folder_of(path) /= ".") name = join_path(folder_of(path), name)
@@ -100,11 +100,12 @@ contains
       call append(longer, name)
       do i = 1, size(chain)
          if (chain(i)%text /= name) cycle
-         call fail(error, exit_input, place//"a file cannot include itself: "//join(longer, " > "))
+         call fail(error, exit_input, place//"a file cannot include itself: "//join(longer, &
+            " > ")//" [D335]")
          return
       end do
       if (size(longer) > 20) then
-         call fail(error, exit_input, place//"more than 20 files include each other")
+         call fail(error, exit_input, place//"more than 20 files include each other [F123]")
          return
       end if
       call buffer%add(file_mark(name, 1))
@@ -136,11 +137,11 @@ contains
       integer :: i, lines, start
 
       if (file_exists(path//"/.")) then
-         call fail(error, exit_file, path//own_error//"this is a folder, not a deck")
+         call fail(error, exit_file, path//own_error//"this is a folder, not a deck [F101]")
          return
       end if
       if (file_size(path) > largest_file) then
-         call fail(error, exit_file, path//own_error//"too large for a deck")
+         call fail(error, exit_file, path//own_error//"too large for a deck [F123]")
          return
       end if
       call read_file(path, raw, error)
@@ -156,7 +157,7 @@ contains
          if (iachar(raw(i:i)) >= 32 .or. scan(raw(i:i), newline//carriage_return//achar(9)) == 1) &
             cycle
          call fail(error, exit_input, path//":"//number(lines)//": error: character number "// &
-            number(iachar(raw(i:i)))//" is not allowed; a deck is plain text")
+            number(iachar(raw(i:i)))//" is not allowed; a deck is plain text [D107]")
          return
       end do
       text = unix_lines(raw(start:))

@@ -231,7 +231,7 @@ contains
       call find_symbol(name, which, prefix)
       letters = 0
       if (which == 0) then
-         self%fault = "'"//name//"' is not a unit"//suggested_unit(name)
+         self%fault = "'"//name//"' is not a unit"//suggested_unit(name)//" [D202]"
          return
       end if
       first = 1
@@ -242,7 +242,8 @@ contains
       power = 1.0_wp
       if (scan(behind(first:last), figures) > 0) then
          read (behind(first:last), *, iostat=status) power
-         if (status /= 0) self%fault = "'"//behind(first:last)//"' is not a power of a unit"
+         if (status /= 0) self%fault = "'"//behind(first:last)//"' is not a power "// &
+            "of a unit [D202]"
          letters = last
       end if
       if (below) power = -power

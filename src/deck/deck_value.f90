@@ -183,7 +183,7 @@ contains
       pending = 1
       do i = 1, size(tokens)
          if (tokens(i)%comma) then
-            if (after_comma) problem = "lacks a value before a comma"
+            if (after_comma) problem = "lacks a value before a comma [D212]"
             after_comma = .true.
             cycle
          end if
@@ -246,7 +246,7 @@ contains
             scan(items(i)%text(:scan(items(i)%text//"e", "eEdD") - 1), "123456789") > 0
       end do
       if (bare .and. united) problem = &
-         "has numbers with and without a unit; write one after each number that is not 0"
+         "has numbers with and without a unit; write one after each number that is not 0 [D202]"
    end function mixed_units
 
    !> Count the values that follow if there are too many, for the message.
@@ -340,8 +340,9 @@ contains
       integer :: i
 
       text = trim(written)
-      if (text == "") problem = "expects a text that is not empty"
-      if (len(text) > longest_text) problem = "is longer than "//number(longest_text)//" letters"
+      if (text == "") problem = "expects a text that is not empty [D211]"
+      if (len(text) > longest_text) problem = "is longer than "//number(longest_text)// &
+         " letters [D229]"
       if (problem == "") problem = text_problem(text)
       ! these become a part of file names
       if (problem == "" .and. (key%name == "name" .or. key%name == "case")) &
@@ -352,7 +353,7 @@ contains
          text = key%words(i)%text
          return
       end do
-      problem = " is none of: "//join(key%words, " ")
+      problem = " is none of: "//join(key%words, " ")//" [D220]"
       near = closest(text, key%words)
       if (near == "" .and. allocated(key%meanings)) near = closest_meaning(text, key%meanings)
       if (near /= "") problem = problem//"; did you mean '"//near//"'?"

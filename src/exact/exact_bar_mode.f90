@@ -76,7 +76,7 @@ contains
       text = ""
       if (self%held .and. abs(self%flight) > 0.0_wp) &
          text = "has a flight_speed only with ends = 'free_free'; remove flight_speed or "// &
-         "free the ends"
+         "free the ends [D343]"
    end function bar_mode_fault
 
    !> Wave number k of the mode [1/m].

@@ -59,7 +59,7 @@ contains
       character(len=:), allocatable :: text
 
       text = ""
-      if (self%dimensions /= 2) text = "needs dimension = 'plane_strain' of &run"
+      if (self%dimensions /= 2) text = "needs dimension = 'plane_strain' of &run [D365]"
    end function disc_fault
 
    !> Displacement divided by radius, u/r = a - b r^2, and b.

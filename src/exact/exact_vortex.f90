@@ -79,8 +79,8 @@ contains
       character(len=:), allocatable :: text
 
       text = ""
-      if (self%dimensions /= 2) text = "needs dimension = 'plane_strain' of &run"
-      if (self%outer <= self%inner) text = "needs outer_radius above inner_radius"
+      if (self%dimensions /= 2) text = "needs dimension = 'plane_strain' of &run [D365]"
+      if (self%outer <= self%inner) text = "needs outer_radius above inner_radius [D365]"
    end function vortex_fault
 
    !> A manufactured solution.

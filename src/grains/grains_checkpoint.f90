@@ -136,7 +136,7 @@ contains
       if (allocated(error)) return
       if (any(words /= [int(cell%box%dimension, int64), int(cell%grains%count, int64)])) then
          call fail(error, exit_file, "the checkpoint has other grains: shape and number of "// &
-            "&grains must not change")
+            "&grains must not change [F112]")
          return
       end if
       call load_grains(state, cell%grains, error)

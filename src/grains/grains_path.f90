@@ -92,23 +92,25 @@ contains
       stage = deck%group("grains")
       call stage%get("shape", shape)
       if (deck%count("stage") == 0) call deck%add_error(stage, &
-         "there is no &stage: give at least one, such as servo = 'isotropic'   duration = 1.0")
+         "there is no &stage: give at least one, such as servo = 'isotropic'   duration = "// &
+         "1.0 [D347]")
       do n = 1, deck%count("stage")
          stage = deck%group("stage", n)
          call stage%get("servo", servo)
-         if (.not. (stage%given("strain") .or. stage%given("duration"))) call &
-            deck%add_error(stage, "the stage has no end: give strain or duration")
+         if (.not. (stage%given("strain") .or. stage%given("duration"))) &
+            call deck%add_error(stage, "the stage has no end: give strain or duration [D347]")
          if (stage%given("strain") .and. .not. (stage%given("rate") .or. &
             stage%given("inertial_number"))) call deck%add_error(stage, &
-            "strain needs a rate or an inertial_number; without them give duration", "strain")
+            "strain needs a rate or an inertial_number; without them give duration [D347]", &
+            "strain")
          has_rate = deck%departs(stage, "rate")
          if (has_rate .and. stage%given("inertial_number")) call deck%add_error(stage, &
-            "rate and inertial_number are both given; keep one", "inertial_number")
+            "rate and inertial_number are both given; keep one [D307]", "inertial_number")
          if ((servo /= "none" .or. stage%given("inertial_number")) .and. .not. &
             (stage%given("pressure") .or. cell%given("pressure"))) call deck%add_error(stage, &
-            "servo and inertial_number need a pressure, here or in &cell")
+            "servo and inertial_number need a pressure, here or in &cell [D347]")
          if (shape == "discs" .and. index(servo, "z") > 0) call deck%add_error(stage, &
-            "discs have no direction z: use 'isotropic', 'x', 'y' or 'xy'", "servo")
+            "discs have no direction z: use 'isotropic', 'x', 'y' or 'xy' [D347]", "servo")
       end do
    end subroutine check_stages
 
@@ -124,14 +126,14 @@ contains
 
       if (.not. (dt > 0.0_wp .and. dt < huge(dt))) then
          call deck%add_error(deck%group("grains", 1), "diameter, density and stiffness give a "// &
-            "time step that is not a positive number; correct their units", "diameter")
+            "time step that is not a positive number; correct their units [D449]", "diameter")
          return
       end if
       do n = 1, size(path%stages)
          strain = dt*maxval(abs(path%stages(n)%drive%gradient))
          if (.not. strain <= most_strain) call deck%add_error("stage", n, "the cell would be "// &
             "strained by "//brief(strain)//" in each time step of "//deck%shown(dt, "s")// &
-            "; at most "//brief(most_strain)//": reduce rate or inertial_number", "rate")
+            "; at most "//brief(most_strain)//": reduce rate or inertial_number [D449]", "rate")
          associate (stage => path%stages(n))
             ! rows are spaced by products of steps and rows
             most = real(huge(1_int64), wp)/(2.0_wp*real(max(stage%rows, stage%snapshots, 1), wp))
@@ -140,7 +142,7 @@ contains
          if (steps <= most) cycle
          group = deck%group("stage", n)
          call deck%add_error(group, "the stage would take "//brief(steps)//" time steps of "// &
-            deck%shown(dt, "s")//"; at most "//brief(most)//" can be counted: shorten it", &
+            deck%shown(dt, "s")//"; at most "//brief(most)//" can be counted: shorten it [D449]", &
             trim(merge("duration", "strain  ", group%given("duration"))))
       end do
    end subroutine check_lengths

@@ -13,7 +13,7 @@
 module io_hdf5
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
-   use base_error, only: error_t, exit_file, fail
+   use base_error, only: error_t, exit_file, fail, without_code
    use base_file, only: divert_file, folder_of, output_file_t, remove_file, rename_file, &
       reserve_file, sync_file, sync_folder
    use base_kinds, only: int32, int64, wp
@@ -233,7 +233,7 @@ contains
          else
             message = message//": the HDF5 library gave up"
          end if
-         call fail(error, exit_file, message)
+         call fail(error, exit_file, message//" [F103]")
       end if
       if (.not. self%communicator%meets(allocated(error), patience)) &
          call give_up(self%communicator, error%message)
@@ -247,8 +247,8 @@ contains
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: message
 
-      write (error_unit, "(a)") "error: "//message//"; other ranks are still in this call, so "// &
-         "the run ends at once [F103]"
+      write (error_unit, "(a)") "error: "//without_code(message)//"; other ranks are still in "// &
+         "this call, so the run ends at once [F103]"
       flush (error_unit)
       call communicator%abort(exit_file)
    end subroutine give_up

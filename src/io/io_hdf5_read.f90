@@ -67,14 +67,14 @@ contains
       self%path = path
       self%id = -1
       if (.not. file_exists(path)) then
-         call fail(error, exit_file, "cannot read '"//path//"': "//failure_text())
+         call fail(error, exit_file, "cannot read '"//path//"': "//failure_text()//" [F106]")
          return
       end if
       call start_library(status)
       call h5fopen_f(path, h5f_acc_rdonly_f, self%id, status)
       if (status >= 0) return
       self%id = -1
-      call fail(error, exit_file, "cannot read '"//path//"': not an HDF5 file, or truncated")
+      call fail(error, exit_file, "cannot read '"//path//"': not an HDF5 file, or truncated [F122]")
    end subroutine source_open
 
    !> Close the file, if it is open.
@@ -93,7 +93,7 @@ contains
       character(len=*), intent(in) :: name               !! Object in the file
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, exit_file, "'"//self%path//"' is damaged: cannot read '"//name//"'")
+      call fail(error, exit_file, "'"//self%path//"' is damaged: cannot read '"//name//"' [F108]")
    end subroutine fail_at
 
    !> True if there is an object of this name; the groups above it must exist.
@@ -374,7 +374,7 @@ contains
 
       call h5dopen_f(self%id, name, data_set, status)
       if (status < 0) then
-         call fail(error, exit_file, "'"//self%path//"' has no data set '"//name//"'")
+         call fail(error, exit_file, "'"//self%path//"' has no data set '"//name//"' [F124]")
          return
       end if
       call h5dget_space_f(data_set, space, status)
@@ -386,7 +386,7 @@ contains
       call h5sclose_f(space, ignored)
       call h5dclose_f(data_set, ignored)
       if (.not. allocated(extent)) call fail(error, exit_file, "'"//name//"' of '"//self%path// &
-         "' must have one to three dimensions")
+         "' must have one to three dimensions [F124]")
    end subroutine source_extents
 
    !> Read layers of a data set along its slowest direction.

@@ -219,7 +219,8 @@ contains
          letters = line//new_line("a")
          made = c_write(descriptor, c_loc(letters(1:1)), len(letters, c_size_t)) == len(letters)
       end if
-      if (.not. made) call fail(error, exit_file, "cannot write '"//path//"': "//failure_text())
+      if (.not. made) call fail(error, exit_file, "cannot write '"//path//"': "//failure_text()// &
+         " [F103]")
       if (descriptor >= 0) status = c_close(descriptor)
       if (allocated(error) .and. descriptor >= 0) call remove_file(path)
    end subroutine write_lock

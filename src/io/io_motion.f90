@@ -86,7 +86,7 @@ contains
       type(meaning_t), intent(in) :: meaning             !! Contents of the table
       character(len=*), intent(in) :: what               !! Error message
 
-      call fail(error, exit_file, trim(meaning%fault)//" '"//path//"': "//what)
+      call fail(error, exit_file, trim(meaning%fault)//" '"//path//"': "//what//" [F118]")
    end subroutine fail_reading
 
    !> True if a line has column names: its first word begins with a letter.

@@ -42,7 +42,7 @@ contains
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! Error message
 
-      call fail(error, exit_file, "cannot read the points of '"//path//"': "//what)
+      call fail(error, exit_file, "cannot read the points of '"//path//"': "//what//" [F115]")
    end subroutine fail_reading
 
    !> Parse the points of a text. Empty lines and lines that begin with # are skipped.

@@ -85,9 +85,9 @@ contains
       end do
       if (size(paths) == 0) then
          call fail(error, exit_file, "no checkpoint '"//place%case//"_chk_*.h5' in '"// &
-            place%folder//"'; --overwrite removes the results and starts again")
+            place%folder//"'; --overwrite removes the results and starts again [F104]")
       else
-         call fail(error, exit_file, "no checkpoint of '"//place%case//"' can be used:"// &
+         call fail(error, exit_file, "no checkpoint of '"//place%case//"' can be used: [F105]"// &
             new_line("a")//notes)
       end if
    end subroutine checkpoint_find
@@ -168,7 +168,8 @@ contains
       if (allocated(error)) return
       call compare_decks(old, place%echo, place%schema, changes)
       if (len(changes%refused) > 0) call fail(error, exit_file, "'"//source%path// &
-         "' belongs to another deck: these keys must not change in a restart (values in SI):"// &
+         "' belongs to another deck: these keys must not change in a restart (values in SI): "// &
+         "[F110]"// &
          changes%refused//new_line("a")//"use the deck of that run, or start again in "// &
          "another folder (--outdir) or with --overwrite")
    end subroutine check_deck
@@ -179,7 +180,8 @@ contains
       character(len=*), intent(in) :: name                !! Object in the file
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, exit_file, "'"//path//"' is damaged: the check of '"//name//"' is wrong")
+      call fail(error, exit_file, "'"//path//"' is damaged: the check of '"//name//"' is "// &
+         "wrong [F108]")
    end subroutine fail_check
 
    !> Read step and time.
@@ -191,7 +193,8 @@ contains
 
       check = 0
       if (.not. source%has("/particles")) then
-         call fail(error, exit_file, "'"//source%path//"' is not a checkpoint of this program")
+         call fail(error, exit_file, "'"//source%path//"' is not a checkpoint of this "// &
+            "program [F107]")
          return
       end if
       call source%attribute("/", "step", state%step, error)
@@ -276,7 +279,7 @@ contains
          same = same .and. any(groups%name == stores(index)%name)
       end do
       if (.not. same) call fail(error, exit_file, "'"//source%path// &
-         "' belongs to another deck: its materials are"//names)
+         "' belongs to another deck: its materials are"//names//" [F110]")
    end subroutine check_materials
 
    !> Read the particles of one store. Collective.
@@ -328,7 +331,7 @@ contains
             call fail_check(self%source%path, group//"/"//name, error)
       else
          call fail(error, exit_file, "'"//self%source%path//"' has no field '"//name// &
-            "' of material '"//self%store//"': it was written with other effects or outputs")
+            "' of material '"//self%store//"': it was written with other effects or outputs [F112]")
       end if
       there = .not. allocated(error)
       if (.not. there .and. .not. allocated(self%problem)) call move_alloc(error, self%problem)

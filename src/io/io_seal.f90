@@ -61,10 +61,10 @@ contains
       if (.not. allocated(error)) then
          if (seal(:len(title_prefix)) /= title_prefix .or. seal(seal_bytes:) /= new_line("a")) then
             call fail(error, exit_file, "'"//path// &
-               "' is truncated, or not a checkpoint of this program")
+               "' is truncated, or not a checkpoint of this program [F107]")
          else if (seal(:seal_bytes - digits - 1) /= title) then
             call fail(error, exit_file, "'"//path//"' is of another version: it is '"// &
-               trim(seal(:seal_bytes - digits - 1))//"', this program reads '"//title//"'")
+               trim(seal(:seal_bytes - digits - 1))//"', this program reads '"//title//"' [F109]")
          end if
       end if
       call agree(communicator, error)
@@ -72,7 +72,7 @@ contains
       call hash_file(communicator, path, file_size(path) - seal_bytes, hash, error)
       if (allocated(error)) return
       if (digest_text(hash) /= seal(seal_bytes - digits:seal_bytes - 1)) call fail(error, &
-         exit_file, "'"//path//"' is damaged: its bytes are not those that were written")
+         exit_file, "'"//path//"' is damaged: its bytes are not those that were written [F108]")
    end subroutine check_seal
 
    !> Read the seal of a file.
@@ -86,7 +86,7 @@ contains
       seal = ""
       bytes = file_size(path)
       if (bytes < 0) then
-         call fail(error, exit_file, "cannot read '"//path//"': "//failure_text())
+         call fail(error, exit_file, "cannot read '"//path//"': "//failure_text()//" [F106]")
          return
       end if
       if (bytes < seal_bytes) return
@@ -95,7 +95,8 @@ contains
          read (unit, pos=bytes - seal_bytes + 1, iostat=status) seal
          close (unit)
       end if
-      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"': it ends too early")
+      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"': it ends too "// &
+         "early [F106]")
    end subroutine read_seal
 
    !> Hash the first bytes of a file, in parallel. Collective.
@@ -124,7 +125,8 @@ contains
          sum = add_hash(sum, hash_integers(0_int64, word_number(:filled), words(:filled)))
          block = block + communicator%size
       end do
-      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"': it ends too early")
+      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"': it ends too "// &
+         "early [F106]")
       if (status == 0) close (unit)
       call communicator%total(sum)
       hash = mix(add_hash(sum(1), mix(bytes)))

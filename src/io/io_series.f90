@@ -59,7 +59,8 @@ contains
             end do
          end if
       end if
-      if (len(note) > 0) note = note//"omitted from the series; the run continues"//new_line("a")
+      if (len(note) > 0) note = note// &
+         "omitted from the series; the run continues [F121]"//new_line("a")
       call agree(communicator, error)
    end subroutine series_open
 

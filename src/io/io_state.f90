@@ -118,7 +118,7 @@ contains
             return
          end if
       end if
-      call fail(error, exit_file, "the checkpoint has no real values '"//name//"'")
+      call fail(error, exit_file, "the checkpoint has no real values '"//name//"' [F112]")
    end subroutine get_reals
 
    !> Get the integers of a name.
@@ -136,6 +136,6 @@ contains
             return
          end if
       end if
-      call fail(error, exit_file, "the checkpoint has no integers '"//name//"'")
+      call fail(error, exit_file, "the checkpoint has no integers '"//name//"' [F112]")
    end subroutine get_integers
 end module io_state

@@ -51,7 +51,7 @@ contains
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! Error message
 
-      call fail(error, exit_file, "cannot read the facets of '"//path//"': "//what)
+      call fail(error, exit_file, "cannot read the facets of '"//path//"': "//what//" [F113]")
    end subroutine fail_reading
 
    !> Four bytes as an unsigned integer, little-endian.

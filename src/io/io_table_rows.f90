@@ -233,7 +233,7 @@ contains
       kept = count(rows%step >= 0)
       if (kept >= wanted) then
          message = "warning: rows of '"//path//"' are not those that were written: the file "// &
-            "was changed or damaged since; the run continues"//new_line("a")
+            "was changed or damaged since; the run continues [F126]"//new_line("a")
          return
       end if
       gaps = ""
@@ -253,7 +253,7 @@ contains
       if (gap > listed_gaps) gaps = gaps//" and in "//number(gap - listed_gaps)//" other intervals"
       message = "warning: '"//path//"' has lost "//number(wanted - kept)//" of "// &
          number(wanted)//" rows"//gaps//": the file was damaged or cut after it was written; "// &
-         "the run continues"//new_line("a")
+         "the run continues [F126]"//new_line("a")
 
    contains
 

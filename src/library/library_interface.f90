@@ -5,7 +5,7 @@
 ! allow(C071): texts of C have no length
 module library_interface
    use base_communicator, only: communicator_t
-   use base_error, only: error_t, exit_input, exit_internal, exit_success, fail
+   use base_error, only: error_t, exit_input, exit_internal, exit_success, fail, without_code
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, &
@@ -156,7 +156,7 @@ contains
       case (text_case)
          if (allocated(session%outputs%case)) text = session%outputs%case
       case (text_reason)
-         if (allocated(session%loop%reason)) text = session%loop%reason
+         if (allocated(session%loop%reason)) text = without_code(session%loop%reason)
       case (text_controls)
          text = control_names(session%simulation)
       case (text_store)
@@ -183,11 +183,11 @@ contains
       call session%refuse_ended(error)
       if (.not. allocated(error)) then
          if (store < 0 .or. store >= size(session%simulation%stores)) then
-            call fail(error, exit_input, "no such particle store")
+            call fail(error, exit_input, "no such particle store [R128]")
          else
             call find_field(session%simulation%stores(store + 1), from_c(name), view)
             if (view%components == 0) call fail(error, exit_input, "no field '"//from_c(name)// &
-               "' in this simulation")
+               "' in this simulation [R128]")
          end if
       end if
       code = int(session%note(error), c_int)

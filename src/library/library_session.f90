@@ -4,12 +4,11 @@
 !! threads of the caller.
 module library_session
    use base_communicator, only: message_passing_has_ended, message_passing_has_started
-   use base_error, only: error_t, exit_input, exit_success, fail
+   use base_error, only: code_last, error_t, exit_input, exit_success, fail, without_code
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use, intrinsic :: iso_c_binding, only: c_char
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use run_messages, only: add_codes, with_code
    use run_setup, only: a_scene
    use run_threads, only: share_cores
    use run_type, only: run_t
@@ -52,7 +51,6 @@ contains
       host = omp_get_max_threads()
       call self%options%parse(arguments, error)
       self%log%mute = self%options%quiet
-      self%log%annotate => add_codes
       if (.not. allocated(error)) call join_ranks(self, given, communicator, error)
       if (.not. allocated(error)) then
          call share_cores()
@@ -90,11 +88,11 @@ contains
       if (message_passing_has_started()) then
          if (message_passing_has_ended()) then
             call fail(error, exit_input, "MPI was finalised in this process, so no "// &
-               "simulation can start; start it earlier, or in another process")
+               "simulation can start; start it earlier, or in another process [R130]")
             return
          end if
       else if (given) then
-         call fail(error, exit_input, "a communicator needs MPI to be initialised")
+         call fail(error, exit_input, "a communicator needs MPI to be initialised [R130]")
          return
       end if
       associate (own => self%simulation%machine%communicator)
@@ -177,7 +175,7 @@ contains
          self%running = .false.
          self%generation = self%generation + 1
          if (.not. allocated(error)) then
-            self%message = self%loop%reason
+            self%message = without_code(self%loop%reason)
             return
          end if
       end if
@@ -203,7 +201,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (.not. self%running) call fail(error, exit_input, &
-         "the simulation has ended; create a new one")
+         "the simulation has ended; create a new one [R129]")
    end subroutine session_refuse_ended
 
    !> Keep the message of an error and return its exit code; 0 without an error.
@@ -215,6 +213,6 @@ contains
       self%message = ""
       if (.not. allocated(error)) return
       code = error%code
-      self%message = with_code(error%message)
+      self%message = code_last(error%message)
    end function session_note
 end module library_session

@@ -51,7 +51,7 @@ contains
       write (times, "(f0.1)") min(trust%worst(trust_noise), 1.0e6_wp)
       call log%warn("warning: pressures of neighbouring particles differ by "//trim(times)// &
          " times the shear stress: material that keeps its volume locks, and is too stiff; "// &
-         remedy)
+         remedy//" [R116]")
    end subroutine warn_of_noise
 
    !> Report at the end that energy is lost, with the numbers of the lines `balance` and `trust`,
@@ -79,11 +79,11 @@ contains
       if (now%energy_error < 0.0_wp .and. verdict_of(trust_energy, now%energy_error) /= trust_ok) &
          call log%warn("warning: "//percent(-now%energy_error)//" % of the energy is lost: "// &
          "materials without internal energy do not store the energy that strain update and "// &
-         "transfers dissipate; "//remedy)
+         "transfers dissipate; "//remedy//" [R117]")
       if (verdict_of(trust_damped, now%damped_share) /= trust_ok) &
          call log%warn("warning: the PIC fraction of the transfer damps "// &
          percent(now%damped_share)//" % of the energy, motion that the nodes do not resolve; "// &
-         remedy)
+         remedy//" [R117]")
    end subroutine warn_of_energy
 
    !> A fraction in percent.
@@ -117,7 +117,7 @@ contains
          "write quadrature = 'point' in &method"
       write (share, "(es8.1)") abs(trust%worst(trust_momentum))
       call log%warn("warning: momentum is not conserved, error"//trim(share)//" of the "// &
-         "greatest sum of m |v|: "//remedy)
+         "greatest sum of m |v|: "//remedy//" [R127]")
    end subroutine warn_of_momentum
 
    !> Report at the end that angular momentum is not conserved, with the remedy. Collective.
@@ -133,6 +133,7 @@ contains
       if (.not. method%transfer%affine()) remedy = "the transfer slows rotation down; write "// &
          "transfer = 'rflip' in &method"
       call log%warn("warning: angular momentum is not conserved, error "// &
-         percent(trust%worst(trust_angular))//" % of the greatest turning motion: "//remedy)
+         percent(trust%worst(trust_angular))//" % of the greatest turning motion: "//remedy// &
+         " [R133]")
    end subroutine warn_of_turning
 end module output_balance_warnings

@@ -59,9 +59,9 @@ contains
          total = total + 1
          given = given//" "//trim(keys(i))
       end do
-      if (total == 0) call deck%add_error(output, "give one of dt, every, times, count")
+      if (total == 0) call deck%add_error(output, "give one of dt, every, times, count [D319]")
       if (total > 1) call deck%add_error(output, "give one of dt, every, times, count, not"// &
-         given, given(2:index(given(2:)//" ", " ")))
+         given//" [D319]", given(2:index(given(2:)//" ", " ")))
       time = deck%group("time")
       call time%get("t_end", t_end)
       if (t_end <= unset) return
@@ -69,7 +69,7 @@ contains
       do i = 1, size(times)
          if (times(i) <= t_end) cycle
          call deck%warn(output, "time "//number(i)//" of "//number(size(times))// &
-            " is after t_end and will not be written", "times")
+            " is after t_end and will not be written [D315]", "times")
          return
       end do
    end subroutine check_schedule

@@ -68,7 +68,7 @@ contains
       do n = 1, size(shapes)
          if (region == "" .or. shapes(n)%name /= region) cycle
          if (allocated(shapes(n)%points)) call deck%add_error(group, "'"//region// &
-            "' is a list of points, which has no interior; name another region", "region")
+            "' is a list of points, which has no interior; name another region [D414]", "region")
          rule%region = shapes(n)%shape
       end do
       call group%list("bodies", names)
@@ -91,7 +91,8 @@ contains
       call group%get("axis", word)
       axis = max(index("xyz", word(:1)), 1)
       if (.not. grid%active(axis)) call deck%add_error(group, &
-         "axis = '"//word//"' is a direction that the scene does not have; use another one", "axis")
+         "axis = '"//word//"' is a direction that the scene does not have; use another "// &
+         "one [D433]", "axis")
    end subroutine read_axis
 
    !> Read a plane, as the layer that is less than half a cell away from it.
@@ -109,6 +110,6 @@ contains
       rule%upper = at + 0.5_wp*grid%spacing
       if (at < grid%lower(rule%axis) .or. at > grid%upper(rule%axis)) call deck%add_error(group, &
          "the plane lies outside of the grid, from "//deck%shown(grid%lower(rule%axis), "m")// &
-         " to "//deck%shown(grid%upper(rule%axis), "m"), "at")
+         " to "//deck%shown(grid%upper(rule%axis), "m")//" [D432]", "at")
    end subroutine read_plane
 end module output_selection

@@ -154,7 +154,7 @@ contains
 
       if (place == 0 .or. (files*bytes <= most_bytes .and. files <= most_files)) return
       call deck%add_error("output", place, "would write "//size_text(files*bytes)//" in "// &
-         brief(files)//" files; write less often, or continue with --force")
+         brief(files)//" files; write less often, or continue with --force [D430]")
    end subroutine limit_files
 
    !> Entry in the summary: the file that ParaView opens.

@@ -68,7 +68,7 @@ contains
       if (self%stream == 0) then
          call deck%add_error("time", 1, "stop_quantity = '"//self%name// &
             "': this deck writes no table '"//table//"' with one row for each time; there are:"// &
-            listed(tables, table), "stop_quantity")
+            listed(tables, table)//" [D367]", "stop_quantity")
          return
       end if
       do n = 1, size(headings)
@@ -77,7 +77,7 @@ contains
       end do
       if (self%column == 0) call deck%add_error("time", 1, "stop_quantity = '"//self%name// &
          "': the table '"//table//"' has no such column; there are:"// &
-         listed(columns, self%name(dot + 1:)), "stop_quantity")
+         listed(columns, self%name(dot + 1:))//" [D367]", "stop_quantity")
    end subroutine stop_quantity_find
 
    !> All names and the closest one, for a message.

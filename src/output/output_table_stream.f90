@@ -151,7 +151,7 @@ contains
       rows = self%schedule%expected(time_end, steps)*self%rows_of_time()
       if (self%place == 0 .or. rows <= most_rows) return
       call deck%add_error("output", self%place, "would write "//brief(rows)// &
-         " rows; write less often, or continue with --force")
+         " rows; write less often, or continue with --force [D437]")
    end subroutine table_limit
 
    !> Entry of the stream in the summary: its kind, as in the name of its file.

@@ -94,7 +94,7 @@ contains
       if (size(wanted) + size(bodies) == 0) then
          wanted = known
          if (size(known) == 0) call deck%add_error(group, "there is no wall whose force could "// &
-            "be shown; add a &boundary, give contacts, or remove this output", "kind")
+            "be shown; add a &boundary, give contacts, or remove this output [D358]", "kind")
       end if
       allocate (self%name(0), self%kind(0), self%weight(number_of_rows(simulation), 0))
       do n = 1, size(wanted)
@@ -104,7 +104,7 @@ contains
          if (k > size(known)) then
             call deck%add_error(group, "'"//wanted(n)%text//"' is not a wall"// &
                listed(wanted(n)%text, &
-               known), "walls")
+               known)//" [D358]", "walls")
             cycle
          end if
          ! the sums are those of the impulse on the material
@@ -152,9 +152,10 @@ contains
       call effects%get("contact", acts)
       if (.not. acts) call deck%add_error(group, "contacts needs &effects contact = .true.; "// &
          "without it all bodies share one velocity field and there is no contact force; the "// &
-         "momentum of a body over time is in an output of kind = 'history' with bodies", "contacts")
-      if (size(bodies) < 2) call deck%add_error(group, "contacts has one body; name two or more", &
+         "momentum of a body over time is in an output of kind = 'history' with bodies [D368]", &
          "contacts")
+      if (size(bodies) < 2) call deck%add_error(group, "contacts has one body; name two or "// &
+         "more [D368]", "contacts")
       do n = 1, size(bodies)
          place(n) = deck%named("body", bodies(n)%text)
       end do
@@ -166,7 +167,7 @@ contains
                if (one == other) then
                   call deck%add_error(group, "'"//bodies(a)%text//"' and '"//bodies(b)%text// &
                      "' share a velocity field, so no contact force acts between them; give "// &
-                     "them different values of field in &body", "contacts")
+                     "them different values of field in &body [D368]", "contacts")
                else
                   call show(self, of_pair, bodies(a)%text//"_"//bodies(b)%text, &
                      weight_of_pair(simulation, one, other))

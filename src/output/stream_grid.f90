@@ -122,7 +122,8 @@ contains
       real(wp), intent(in) :: steps                  !! Expected number of steps
 
       if (self%cells > most_cells) call deck%add_error("output", self%place, "would write up to "&
-         //brief(self%cells)//" cells per output time; give a region, or continue with --force")
+         //brief(self%cells)//" cells per output time; give a region, or continue with "// &
+         "--force [D431]")
       call limit_files(deck, self%place, self%schedule%expected(time_end, steps), &
          self%bytes_of_file(particles))
    end subroutine grid_limit

@@ -135,11 +135,11 @@ contains
          right = is_clock(value)
          if (right) right = clock_seconds(value) > 0
          if (.not. right) call option_error(error, "--time = '"//value// &
-            "' must be hours, minutes and seconds such as 04:00:00, or with days 2-00:00:00")
+            "' must be hours, minutes and seconds such as 04:00:00, or with days 2-00:00:00 [C113]")
       case ("job")
          self%job%scheduler = value
          if (all(schedulers /= value)) call option_error(error, &
-            "--job knows "//scheduler_list("and")//", not '"//value//"'")
+            "--job knows "//scheduler_list("and")//", not '"//value//"' [C204]")
       case default
          call self%run_options_t%set(option, value, error)
       end select
@@ -156,7 +156,7 @@ contains
       count = 0
       if (verify(value, "0123456789") == 0 .and. len(value) <= most_digits) read (value, *) count
       if (count <= 0) call option_error(error, "--"//trim(option%name)//" = '"//value// &
-         "' must be an integer above 0")
+         "' must be an integer above 0 [C113]")
    end subroutine read_count
 
    !> Check combinations of options.
@@ -167,7 +167,7 @@ contains
       if (self%information%help .or. self%information%version) return
       if (self%self_test) then
          if (allocated(self%deck)) call option_error(error, &
-            "--self-test takes no deck; it has its own scenes")
+            "--self-test takes no deck; it has its own scenes [C107]")
          return
       end if
       if (allocated(self%information%list)) then
@@ -178,29 +178,29 @@ contains
          allocated(self%information%digest)) return
       if (.not. (self%estimate .or. self%check_only)) then
          call option_error(error, &
-            "--no-estimate needs --check; only a check makes an estimate")
+            "--no-estimate needs --check; only a check makes an estimate [C108]")
       else if (allocated(self%example%name)) then
          call move_alloc(self%deck, self%example%folder)
          if (.not. allocated(self%example%folder)) call option_error(error, &
             "--new needs a folder after the example; usage: scree --new "//self%example%name// &
-            " FOLDER")
+            " FOLDER [C114]")
       else if (self%point .and. (self%check_only .or. self%restart)) then
-         call option_error(error, "--point excludes --check and --restart")
+         call option_error(error, "--point excludes --check and --restart [C107]")
       else if (self%grains .and. (self%point .or. self%preview &
          .or. allocated(self%job%scheduler))) then
-         call option_error(error, "--grains excludes --point, --preview and --job")
+         call option_error(error, "--grains excludes --point, --preview and --job [C107]")
       else if (self%information%echo .and. (self%check_only .or. self%preview &
          .or. self%point .or. self%grains .or. self%restart &
          .or. allocated(self%job%scheduler))) then
          call option_error(error, "--echo excludes --check, --preview, --point, "// &
-            "--grains, --restart and --job")
+            "--grains, --restart and --job [C107]")
       else if (self%check_only .and. self%restart) then
-         call option_error(error, "--check and --restart exclude each other")
+         call option_error(error, "--check and --restart exclude each other [C107]")
       else if (self%preview .and. (self%check_only .or. self%point .or. self%restart &
          .or. allocated(self%job%scheduler))) then
          call option_error(error, &
             "--preview excludes --check, --point, --restart and --job; call "// &
-            "scree twice")
+            "scree twice [C107]")
       end if
       if (allocated(error) .or. allocated(self%example%folder)) return
       call self%run_options_t%check(error)
@@ -223,7 +223,7 @@ contains
       near = closest(name, names)
       if (near /= "") near = "; did you mean "//near//"?"
       call option_error(error, "--list knows materials, fields, shapes, units, "// &
-         "examples and messages, not '"//name//"'"//near)
+         "examples and messages, not '"//name//"'"//near//" [C109]")
    end subroutine check_list
 
    !> Check the options of a job script, which is printed and not run.
@@ -233,21 +233,21 @@ contains
 
       if (.not. allocated(command%job%scheduler)) then
          if (command%job%ranks > 0) call option_error(error, &
-            "--ranks needs --job; a run uses the ranks of mpirun")
+            "--ranks needs --job; a run uses the ranks of mpirun [C206]")
          if (command%job%threads > 0) call option_error(error, &
-            "--threads needs --job; a run uses OMP_NUM_THREADS")
+            "--threads needs --job; a run uses OMP_NUM_THREADS [C206]")
          if (command%job%nodes > 0) call option_error(error, &
-            "--nodes needs --job; a run uses the nodes of mpirun")
+            "--nodes needs --job; a run uses the nodes of mpirun [C206]")
          if (allocated(command%job%time)) call option_error(error, &
-            "--time needs --job; a run uses wall_limit of &time")
+            "--time needs --job; a run uses wall_limit of &time [C206]")
       else if (command%check_only .or. command%point .or. command%restart .or. &
          command%overwrite) then
          call option_error(error, &
             "--job excludes --check, --point, --restart and --overwrite; the script "// &
-            "starts a run or continues it and never removes results")
+            "starts a run or continues it and never removes results [C107]")
       else if (command%job%nodes > 0 .and. command%job%ranks > 0) then
          if (mod(command%job%ranks, command%job%nodes) > 0) call option_error(error, &
-            "--ranks must be a multiple of --nodes, so that each node has as many ranks")
+            "--ranks must be a multiple of --nodes, so that each node has as many ranks [C207]")
       end if
    end subroutine check_job
 end module program_command

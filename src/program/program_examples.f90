@@ -40,7 +40,7 @@ contains
       folder = join_path(home, "../share/scree/input")
       if (file_exists(folder//"/.")) return
       call fail(error, exit_file, "the examples are not in the folder of this installation, '"// &
-         join_path(home, share_folder//"/input")//"'; install again, with cmake --install")
+         join_path(home, share_folder//"/input")//"'; install again, with cmake --install [C203]")
    end subroutine find_examples
 
    !> List the examples: folders with a scene.
@@ -102,7 +102,7 @@ contains
          near = closest(name, names)
          if (near /= "") near = "; did you mean "//near//"?"
          call fail(error, exit_input, "command line: error: there is no example '"//name// &
-            "', but "//join(names, " ")//near)
+            "', but "//join(names, " ")//near//" [C201]")
          return
       end if
       call prepare_folder(target_folder, error)
@@ -140,7 +140,7 @@ contains
             if (all(entries == "." .or. entries == "..")) return
          end if
          call fail(error, exit_file, "'"//folder// &
-            "' exists and is not overwritten; choose another name")
+            "' exists and is not overwritten; choose another name [C202]")
          return
       end if
       call make_folder(folder, error)

@@ -2,7 +2,7 @@
 !> scree --grains: runs a periodic cell of grains along the stages of a deck.
 module program_grains
    use base_agreement, only: agree
-   use base_error, only: error_t, exit_success
+   use base_error, only: code_last, error_t, exit_success, with_hint, without_code
    use base_file, only: make_folder, remove_file, write_file
    use base_hash, only: digest_text
    use base_kinds, only: int64, wp
@@ -27,7 +27,6 @@ module program_grains
    use run_existing_results, only: lock_case, nothing_to_restart, protect_results
    use run_limits, only: read_limits
    use run_memory, only: check_memory
-   use run_messages, only: coded, with_code
    use run_setup, only: run_setup_t
    use scene_run, only: check_case, set_output_units
    implicit none
@@ -79,7 +78,7 @@ contains
          /(grains_per_thread*run%cell%communicator%size))))
       call describe_run(setup, run)
       if (check_only) then
-         call log%info(coded(setup%deck%report()))
+         call log%info(with_hint(setup%deck%report()))
          call log%info(cost_text(run))
          return
       end if
@@ -234,13 +233,13 @@ contains
          " steps"
       call log%info(trim(line))
       if (len(run%losses) > 0) call log%warn(run%losses)
-      call log%info(with_code("ended     "//run%reason))
+      call log%info(code_last("ended     "//run%reason))
       if (run%cell%communicator%rank == 0) then
          call json%add("version", version_text)
          call json%add("git", git_commit)
          call json%add("case", run%output%case)
          call json%add("exit_code", code)
-         call json%add("reason", run%reason)
+         call json%add("reason", without_code(run%reason))
          call json%add("steps", run%cell%step)
          call json%add("time", run%cell%time)
          call json%add("grains", int(run%cell%grains%count, int64))

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The program: from the command line to the exit code. The only place that prints errors.
 module program_main
-   use base_error, only: error_t, exit_again, exit_input, exit_success, fail
+   use base_error, only: error_t, exit_again, exit_input, exit_success, fail, with_hint
    use base_file, only: join_path, occupy_streams, print_text, write_file
    use base_process, only: ranks_of_launcher
    use base_text, only: append
@@ -21,7 +21,6 @@ module program_main
    use run_existing_results, only: existing_results_text
    use run_material_point, only: drive_point
    use run_memory, only: end_without_memory, memory_suffices
-   use run_messages, only: add_codes, coded
    use run_resume_command, only: program_arguments
    use run_setup, only: a_grain_cell, a_material_point, a_scene, declare_deck_keys
    use run_signals, only: ignore_file_size_limit
@@ -48,7 +47,6 @@ contains
       code = exit_success
       call occupy_streams()
       call ignore_file_size_limit()
-      run%log%annotate => add_codes
       call command%parse(program_arguments(), error)
       run%options = command%run_options_t
       if (allocated(error)) then
@@ -181,7 +179,7 @@ contains
       if (has_ranks) return
       if (ranks_of_launcher() == 1) return
       call fail(error, exit_input, "this scree was built without MPI, for one rank: start it "// &
-         "without mpirun or srun, with threads (OMP_NUM_THREADS), or use a build with MPI")
+         "without mpirun or srun, with threads (OMP_NUM_THREADS), or use a build with MPI [C117]")
    end subroutine check_launcher
 
    !> Print warnings, effects, costs and an estimate of the run time.
@@ -191,7 +189,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The first state cannot be built
       character(len=:), allocatable :: existing, text
 
-      text = coded(run%deck%report())//new_line("a")//effects_text(run%schema, run%deck)// &
+      text = with_hint(run%deck%report())//new_line("a")//effects_text(run%schema, run%deck)// &
          cost_report(run%simulation, run%bodies, run%survey, run%limits, &
          run%outputs%full_snapshots(run%limits%time_end))
       existing = existing_results_text(run)

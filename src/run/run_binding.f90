@@ -51,7 +51,7 @@ contains
       such = count(kinds /= no_conflict)
       text = "warning: "//conflict_text(ranks, first, int(kinds(first)))
       if (such > 1) text = text//" ("//number(such)//" such ranks)"
-      text = text//"; "//advice(ranks, first)
+      text = text//"; "//advice(ranks, first)//" [R131]"
    end function binding_warning
 
    !> Get the bindings of all ranks. Collective.

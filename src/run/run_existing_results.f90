@@ -3,7 +3,7 @@
 !! it has ended, a new run is refused, continues it, or removes it, depending on the command line.
 module run_existing_results
    use base_agreement, only: agree
-   use base_error, only: error_t, exit_file, fail
+   use base_error, only: error_t, exit_file, fail, without_code
    use base_libc, only: c_usleep
    use base_log, only: log_t
    use io_lock, only: lock_refused, lock_unclear
@@ -49,7 +49,7 @@ contains
             if (verdict == lock_refused) then
                call fail(error, exit_file, "case '"//outputs%case//"' in '"//outputs%folder// &
                   "' is in use by "//lock%message//": wait for its end or stop it; or give "// &
-                  "another --outdir or --case")
+                  "another --outdir or --case [F125]")
             else if (allocated(lock%message)) then
                call log%info(lock%message)
             end if
@@ -77,7 +77,7 @@ contains
                   if (.not. is_own_checkpoint(outputs%folder, outputs%case, &
                      options%checkpoint)) call fail(error, exit_file, location_text(setup)// &
                      " and '"//options%checkpoint//"' is not of that run; give another "// &
-                     "--outdir or --case")
+                     "--outdir or --case [F111]")
                end if
             else if (options%overwrite) then
                call remove_former_run(outputs%folder, former, error)
@@ -101,7 +101,8 @@ contains
       if (setup%options%overwrite) return
       call find_former_run(setup%outputs%folder, setup%outputs%case, setup%outputs%header%echo, &
          former)
-      if (former%results) text = "warning: "//location_text(setup)//options_text(former)
+      if (former%results) text = "warning: "//location_text(setup)// &
+         without_code(options_text(former))
    end function existing_results_text
 
    !> Case and folder of the results.
@@ -124,6 +125,6 @@ contains
          text = ", without a checkpoint from which the run could continue: remove them with "// &
             "--overwrite"
       end if
-      text = text//"; or give another --outdir or --case"
+      text = text//"; or give another --outdir or --case [F111]"
    end function options_text
 end module run_existing_results

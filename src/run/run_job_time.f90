@@ -75,7 +75,7 @@ contains
       seconds = communicator%maximum(seconds)
       if (seconds < 0.0_wp) call fail(error, exit_input, "wall_limit = 'slurm': the end "// &
          "of the job is not known, neither from SLURM_JOB_END_TIME nor from squeue; "// &
-         "write hours, minutes and seconds such as '03:30:00' instead")
+         "write hours, minutes and seconds such as '03:30:00' instead [R122]")
    end subroutine job_seconds_left
 
    !> Value of an environment variable, empty if it is not set.

@@ -57,7 +57,7 @@ contains
          call job_seconds_left(simulation%machine%communicator, self%wall_limit, error)
          if (allocated(error)) return
          if (self%wall_limit >= no_job) call log%warn("warning: wall_limit = 'slurm' has no "// &
-            "effect: this is not a Slurm job, and the wall time is not limited")
+            "effect: this is not a Slurm job, and the wall time is not limited [R123]")
          self%wall_limit = self%wall_limit - scheduler_reserve
       end if
       if (limits%checkpoint_time > 0.0_wp) &

@@ -90,9 +90,9 @@ contains
       index = 1
       if (group%given("material")) index = deck%named("material", name)
       if (deck%count("material") == 0) then
-         call deck%add_error(group, "there is no &material")
+         call deck%add_error(group, "there is no &material [D227]")
       else if (index == 0) then
-         call deck%add_error(group, "no material '"//name//"'", "material")
+         call deck%add_error(group, "no material '"//name//"' [D227]", "material")
       else
          call read_material(deck, communicator, index, material)
       end if
@@ -117,7 +117,8 @@ contains
          "point is not finite in row "//number(rows + 1)//" of "//number(size(table, 2))//", "// &
          trim(merge("particle_speed", "strain        ", point%path == "hugoniot"))//" = "// &
          brief(table(merge(1, 2, point%path == "hugoniot"), rows + 1))//"; "//name// &
-         " has the rows before it: reduce strain, rate or speed in &point, or check the constants")
+         " has the rows before it: reduce strain, rate or speed in &point, or check the "// &
+         "constants [R136]")
       note = "point     "//material%name//"  "//point%path//"  "//name
    end subroutine drive_point
 

@@ -55,7 +55,7 @@ contains
       text = "the run needs about "//size_text(bytes)//" of memory, and "// &
          size_text(left*real(communicator%size, wp))//" are available"
       if (communicator%size > 1) text = text//" for equal parts of all ranks"
-      text = text//"; "//remedy//", or use more nodes"
+      text = text//"; "//remedy//", or use more nodes [R134]"
       if (refuses) then
          text = text//", or continue with --force"
          call deck%add_error(group, text, key)

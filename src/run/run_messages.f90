@@ -1,15 +1,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Codes of messages, such as D209, and what `scree --explain` and `scree --list messages` print
-!! about them. The texts are those of src/run/messages. The code of a message follows from its
-!! text when it is printed, so the procedures that report errors do not contain codes.
+!> What `scree --explain` and `scree --list messages` print about messages and their codes, such as
+!! D209. The texts are those of src/run/messages. A message contains its code where it is reported;
+!! here a code is found only for the words of a message that a user gives to `scree --explain`.
 module run_messages
    use base_error, only: error_t, exit_input, fail
-   use base_text, only: append, buffer_t, join, line_end, lower, split, text_t
+   use base_text, only: append, buffer_t, join, lower, split, text_t
    use run_message_table, only: example_lines, line_length, message_codes, message_lines
    implicit none
    private
 
-   public :: add_codes, coded, explain_message, is_message, message_code, message_list, with_code
+   public :: explain_message, is_message, message_code, message_list
 
    character(len=*), parameter :: newline = new_line("a")
    character(len=*), parameter :: wildcard = "..."  !! Any text in a pattern
@@ -23,51 +23,6 @@ module run_messages
    end type message_t
 
 contains
-
-   !> Add the code in brackets to each line that is a message.
-   subroutine add_codes(text, with_codes, hint)
-      character(len=*), intent(in) :: text          !! One or more lines
-      character(len=:), allocatable, intent(out) :: with_codes !! The same lines
-      character(len=:), allocatable, intent(out) :: hint !! How to read more; empty without a code
-      type(message_t), allocatable :: messages(:)
-      type(buffer_t) :: buffer
-      integer :: first, last, which
-
-      call load_messages(messages)
-      hint = ""
-      first = 1
-      do while (first <= len(text))
-         last = line_end(text, first)
-         which = find_message(messages, text(first:last))
-         call buffer%add(text(first:last))
-         if (which > 0) then
-            call buffer%add(" ["//messages(which)%code//"]")
-            if (hint == "") hint = "for cause and remedy: scree --explain "//messages(which)%code
-         end if
-         if (last < len(text)) call buffer%add(newline)
-         first = last + 2
-      end do
-      with_codes = buffer%content()
-   end subroutine add_codes
-
-   !> A text with codes; the hint how to read more is on a separate line.
-   function coded(text) result(with_codes)
-      character(len=*), intent(in) :: text          !! One or more lines
-      character(len=:), allocatable :: with_codes, hint
-
-      call add_codes(text, with_codes, hint)
-      if (hint == "") return
-      if (with_codes(len(with_codes):) /= newline) with_codes = with_codes//newline
-      with_codes = with_codes//hint
-   end function coded
-
-   !> A line with its code, if it is a message, and no hint.
-   function with_code(line) result(text)
-      character(len=*), intent(in) :: line
-      character(len=:), allocatable :: text, hint
-
-      call add_codes(line, text, hint)
-   end function with_code
 
    !> Code of a line; empty if it is not a message.
    function message_code(line) result(code)
@@ -123,12 +78,12 @@ contains
       text = ""
       if (is_code(trim(adjustl(words)))) then
          call fail(error, exit_input, "no message has the code '"//trim(adjustl(words))// &
-            "'; scree --list messages")
+            "'; scree --list messages [C116]")
          return
       end if
       call load_messages(messages)
-      call fail(error, exit_input, "no message with these words; scree --list messages"// &
-         similar_messages(messages, words))
+      call fail(error, exit_input, "no message with these words; scree --list messages "// &
+         "[C116]"//similar_messages(messages, words))
    end subroutine explain_message
 
    !> The code in a text: alone, in brackets at the end of a line, or that of the message.

@@ -84,10 +84,10 @@ contains
             else
                next = next + 1
                if (argument == "") then
-                  call option_error(error, "the name of the deck is empty")
+                  call option_error(error, "the name of the deck is empty [C115]")
                else if (allocated(self%deck)) then
                   call option_error(error, &
-                     "one deck at a time, not '"//self%deck//"' and '"//argument//"'")
+                     "one deck at a time, not '"//self%deck//"' and '"//argument//"' [C110]")
                else
                   self%deck = argument
                end if
@@ -116,13 +116,13 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! One of these
 
       if (self%quiet .and. self%verbose) then
-         call option_error(error, "--quiet and --verbose exclude each other")
+         call option_error(error, "--quiet and --verbose exclude each other [C107]")
       else if (self%overwrite .and. self%restart) then
          call option_error(error, "--overwrite and --restart exclude each other: a run either "// &
-            "starts again or continues; give --outdir to continue in another folder")
+            "starts again or continues; give --outdir to continue in another folder [C107]")
       else if (.not. allocated(self%deck)) then
          call option_error(error, &
-            "no deck; usage: scree [options] DECK.nml, and scree --help for more")
+            "no deck; usage: scree [options] DECK.nml, and scree --help for more [C115]")
       end if
    end subroutine run_options_check
 
@@ -177,9 +177,10 @@ contains
          if (options(which)%name == name) exit
       end do
       if (which > size(options)) then
-         call option_error(error, "unknown option --"//name//similar_option(options, name))
+         call option_error(error, "unknown option --"//name// &
+            similar_option(options, name)//" [C101]")
       else if (options(which)%takes == no_value .and. allocated(value)) then
-         call option_error(error, "--"//name//" takes no value")
+         call option_error(error, "--"//name//" takes no value [C106]")
       else
          call store_option(self, options(which), arguments, next, value, error)
       end if
@@ -202,7 +203,7 @@ contains
       do which = 1, size(options)
          if (letters(2:) /= trim(options(which)%name)) cycle
          call option_error(error, &
-            "unknown option "//letters//"; did you mean -"//letters//"?")
+            "unknown option "//letters//"; did you mean -"//letters//"? [C101]")
          return
       end do
       do while (at <= len(letters))
@@ -214,7 +215,7 @@ contains
             if (len(letters) >= 4) near = similar_option(options, &
                letters(2:scan(letters//"=", "=") - 1))
             call option_error(error, &
-               "unknown option -"//letters(at:at)//" in '"//letters//"'"//near)
+               "unknown option -"//letters(at:at)//" in '"//letters//"'"//near//" [C101]")
             return
          end if
          at = at + 1
@@ -267,9 +268,9 @@ contains
       end if
       if (option%takes == a_value) then
          if (.not. allocated(value)) then
-            call option_error(error, "--"//trim(option%name)//" needs a value")
+            call option_error(error, "--"//trim(option%name)//" needs a value [C112]")
          else if (value == "") then
-            call option_error(error, "the value of --"//trim(option%name)//" is empty")
+            call option_error(error, "the value of --"//trim(option%name)//" is empty [C105]")
          end if
          if (allocated(error)) return
       end if

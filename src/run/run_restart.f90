@@ -39,11 +39,11 @@ contains
          if (.not. (ended .or. simulation%clock%time <= limits%time_end*(1.0_wp + 1.0e-9_wp))) &
             call fail(error, exit_file, note//": its time, "//brief(simulation%clock%time)// &
             " s, is after t_end = "//brief(limits%time_end)//" s; raise t_end, or start again "// &
-            "with --overwrite")
+            "with --overwrite [F110]")
          if (allocated(error)) return
       end associate
       if (ended) call fail(error, exit_file, note//": the run is finished, so these changes "// &
-         "of the deck would have no effect (values in SI):"//changes%physics//changes%end// &
+         "of the deck would have no effect (values in SI): [F110]"//changes%physics//changes%end// &
          changes%extent//new_line("a")// &
          "raise the end of the run (t_end, max_steps), or start again in another folder "// &
          "(--outdir) or with --overwrite")
@@ -62,7 +62,7 @@ contains
          call log%info(note)
       end if
       if (len(changes%physics) > 0) call log%warn("warning: these changes affect the rest of "// &
-         "the run (values in SI):"//changes%physics)
+         "the run (values in SI): [F110]"//changes%physics)
       if (len(changes%end//changes%extent//changes%nothing) > 0) call log%info( &
          "the deck has changed since (in SI):"//changes%end//changes%extent//changes%nothing)
    end subroutine log_restart

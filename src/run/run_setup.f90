@@ -40,7 +40,8 @@ module run_setup
 
    public :: a_grain_cell, a_material_point, a_scene, declare_deck_keys, run_setup_t
 
-   integer, parameter :: a_scene = 0, a_material_point = 1, a_grain_cell = 2 !! What a deck describes
+   !> What a deck describes.
+   integer, parameter :: a_scene = 0, a_material_point = 1, a_grain_cell = 2
 
    !> Setup of a run.
    type :: run_setup_t
@@ -111,7 +112,7 @@ contains
       extremes(2) = not(extremes(1))
       call setup%simulation%machine%communicator%least(extremes)
       if (extremes(1) /= not(extremes(2))) call fail(error, exit_input, "the ranks have "// &
-         "different decks, options or versions of scree; start all of them with one command")
+         "different decks, options or versions of scree; start all of them with one command [C118]")
    end subroutine check_ranks
 
    !> Build the simulation without particles, and check conditions that involve several groups of

@@ -157,9 +157,9 @@ contains
          "share the cores, the run was suspended, "
       if (threads > 1) then
          text = text//"or threads wait for each other; use OMP_NUM_THREADS="// &
-            number(max(threads/2, 1))
+            number(max(threads/2, 1))//" [R118]"
       else
-         text = text//"or files are slow; give the run a core of its own and a local disk"
+         text = text//"or files are slow; give the run a core of its own and a local disk [R118]"
       end if
    end function starved_text
 end module run_threads

@@ -175,8 +175,9 @@ contains
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
 
       call warn_if_starved(simulation, log, self%clock, self%warned)
-      if (self%reason == none_left) call log%warn("warning: "//none_left//" before t_end, "// &
-         "through open boundaries or by removal; the ledger lists the amounts")
+      if (index(self%reason, none_left) == 1) call log%warn("warning: "//none_left// &
+         " before t_end, through open boundaries or by removal; the ledger lists the amounts "// &
+         "[R119]")
       if (self%code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
       if (allocated(error)) return
       if (self%code == exit_again .or. limits%checkpoint_at_end) &

@@ -3,7 +3,8 @@
 !! (src/library) run every simulation with this module.
 module run_type
    use base_agreement, only: agree
-   use base_error, only: error_t, exit_again, exit_file, exit_physics, fail
+   use base_error, only: code_last, error_t, exit_again, exit_file, exit_physics, fail, &
+      without_code
    use base_kinds, only: wp
    use base_log, only: log_t
    use base_process, only: is_set
@@ -18,7 +19,6 @@ module run_type
    use run_existing_results, only: lock_case, nothing_to_restart, protect_results
    use run_expected_steps, only: expected_steps
    use run_log_files, only: open_log
-   use run_messages, only: with_code
    use run_restart, only: log_restart, restart_run
    use run_resume_command, only: resume_command
    use run_setup, only: run_setup_t
@@ -121,13 +121,13 @@ contains
       associate (loop => run%loop, communicator => run%simulation%machine%communicator)
          code = loop%code
          call summarise(run%simulation, run%outputs, run%log, wall_seconds() - &
-            run%begin, timing, code, loop%reason, late)
+            run%begin, timing, code, without_code(loop%reason), late)
          call agree(communicator, late)
          call run%lock%release()
          ! the warning at the start is far above the end of a long log
          if (len(run%losses) > 0) call run%log%warn(run%losses)
          if (allocated(error)) return
-         call run%log%info(with_code("ended     "//loop%reason))
+         call run%log%info(code_last("ended     "//loop%reason))
          if (code == exit_again) call run%log%info("go on     "//resume_command( &
             communicator%size))
          call move_alloc(late, error)
@@ -147,9 +147,9 @@ contains
          if (loop%code /= exit_again .or. .not. run%options%restart .or. &
             run%simulation%clock%step > loop%clock%step_begin + 1) return
          if (.not. any([(is_set(trim(job_variables(n))), n=1, size(job_variables))])) return
-         call fail(error, exit_physics, loop%reason//" during the first step after a restart, "// &
-            "so further jobs would do one step each: give the job more time, or raise "// &
-            "wall_limit of &time; then run it again")
+         call fail(error, exit_physics, without_code(loop%reason)//" during the first step "// &
+            "after a restart, so further jobs would do one step each: give the job more time, "// &
+            "or raise wall_limit of &time; then run it again [R137]")
       end associate
    end subroutine require_progress
 

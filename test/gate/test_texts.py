@@ -3,13 +3,18 @@
 """Rules for all text files: form, licence, no leftovers.
 
 Would catch a file without a licence line, a line that is wider than a screen, a line pasted twice, and a path that
-exists on one machine only, and a command that would install the package of somebody else.
+exists on one machine only, and a command that would install the package of somebody else; a message without a code or
+with a code that has no record, and a record that no message has.
 """
 
 import re
 import subprocess
 import sys
 
+import pytest
+
+import document_messages
+import message_sites
 from sources import ROOT, lines_of, place, project_files
 
 WIDTH = {".f90": 100, ".pf": 100, ".py": 120, ".sh": 100}
@@ -103,3 +108,48 @@ class TestTextGate:
         self.none([f"{place(path, 1)} does not say which bug it would catch"
                    for path in project_files(".pf", under="test/unit")
                    if not re.search(r"catch", path.read_text(encoding="utf-8"), re.I)])
+
+
+class TestMessageCodes:
+    """The code of a message is the end of its text at the call."""
+
+    @pytest.fixture(autouse=True, scope="class")
+    @classmethod
+    def made(cls):
+        cls.known = [message for _, part in document_messages.sections().values() for message in part]
+        cls.sites = list(message_sites.sites(ROOT))
+
+    def test_each_code_has_a_record(self):
+        """Would catch a misspelt code, a code without a record, and a record of a message that no longer exists."""
+        found = {}
+        for path in project_files(".f90", under="src"):
+            for number, line in enumerate(lines_of(path), 1):
+                for text in message_sites.LITERAL.findall(line):
+                    codes = message_sites.CODE.findall(text)
+                    found.update(dict.fromkeys(codes, place(path, number)))
+                    assert len(codes) < 2 and text.endswith(tuple(f"[{code}]" for code in codes) or ""), \
+                        f"{place(path, number)}: the code must end the text"
+        records = {message.code for message in self.known}
+        assert {code: where for code, where in found.items() if code not in records} == {}
+        assert records - set(found) == set()
+
+    def test_each_message_has_one_code(self, sheet):
+        """Would catch a new message without a code, and one with two."""
+        assert len(self.sites) > 400
+        for site in self.sites:
+            with sheet.part(f"{site.path}:{site.line}: {site.text}"):
+                codes = message_sites.CODE.findall(site.text)
+                assert len(codes) == 1 or (site.complete and not codes), "the text lacks a code, such as [D209]"
+
+    def test_code_is_that_of_the_words(self, sheet):
+        """Would catch the code of another message, for which `scree --explain` gives another one by the words."""
+        patterns = document_messages.patterns(self.known)
+        # a number of a pattern may be a constant in the source
+        loose = [(code, letters, re.compile(re.sub(r"\d+", r"(?:\g<0>|\.{3})", pattern.pattern)))
+                 for code, letters, pattern in patterns]
+        for site in self.sites:
+            for code in message_sites.CODE.findall(site.text):
+                with sheet.part(f"{site.path}:{site.line}: {site.text}"):
+                    fits = [document_messages.scores(site.text, one)[:1] for one in (patterns, loose)]
+                    assert not any(fits) or code in [best[0][1] for best in fits if best], \
+                        f"{fits}; see the lines 'says' in src/run/messages"

@@ -111,7 +111,8 @@ contains
 
       echo = setup%deck%echo()
       call write_bytes(folder//"/deck.nml", echo)
-      call read_scene(schema, folder//"/deck.nml", setup%command%grains, most_points, again, error)
+      call read_scene(schema, folder//"/deck.nml", index(echo, "&grains") > 0, &
+         most_points, again, error)
       if (allocated(error)) then
          fault = "the echo is refused: "//error%message
          return

@@ -72,7 +72,7 @@ contains
          range="> 0")
       call schema%real("material", "poisson", "Poisson's ratio nu, with young", range="> -1 < 0.5")
       call schema%explain_range("material", "poisson", "0.5 makes the wave speed infinite, "// &
-         "nearly incompressible material has about 0.49")
+         "nearly incompressible material has about 0.49 [D334]")
       call schema%real("material", "bulk", "bulk modulus K, with shear, instead of young and "// &
          "poisson", unit="Pa", range="> 0")
       call schema%real("material", "shear", &

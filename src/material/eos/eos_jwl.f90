@@ -92,7 +92,7 @@ contains
       call group%get("jwl_r1", r1)
       call group%get("jwl_r2", r2)
       if (r1 <= r2) text = "jwl_r1 must be above jwl_r2; jwl_a and jwl_r1 are the term of high "// &
-         "pressure"
+         "pressure [D320]"
    end function jwl_fault
 
    !> Read the keys of the equation of state.

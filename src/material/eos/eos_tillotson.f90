@@ -85,7 +85,7 @@ contains
       if (.not. (group%known("till_eiv") .and. group%known("till_ecv"))) return
       call group%get("till_eiv", melt)
       call group%get("till_ecv", vapour)
-      if (vapour <= melt) text = "till_ecv must be above till_eiv"
+      if (vapour <= melt) text = "till_ecv must be above till_eiv [D363]"
    end function tillotson_fault
 
    !> Read the keys of the equation of state.

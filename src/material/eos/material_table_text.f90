@@ -38,7 +38,8 @@ contains
       call read_listing(text, listing, fault)
       if (len(fault) == 0) call fill_table(listing, table, fault)
       if (len(fault) == 0) call check_slopes(listing, table, fault)
-      if (len(fault) > 0) call fail(error, exit_file, "cannot use the table '"//path//"': "//fault)
+      if (len(fault) > 0) call fail(error, exit_file, "cannot use the table '"//path//"': "// &
+         fault//" [F119]")
    end subroutine read_states
 
    !> The numbers of all lines.

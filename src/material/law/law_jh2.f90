@@ -56,7 +56,7 @@ contains
       if (.not. (group%given("jh2_hel") .and. group%given("jh2_phel"))) return
       call group%get("jh2_hel", limit)
       call group%get("jh2_phel", pressure)
-      if (limit <= pressure) text = "jh2_hel must be above jh2_phel"
+      if (limit <= pressure) text = "jh2_hel must be above jh2_phel [D363]"
    end function law_jh2_fault
 
    !> Read the keys of the law.

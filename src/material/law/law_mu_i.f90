@@ -69,7 +69,7 @@ contains
       if (.not. (group%known("mu_s") .and. group%known("mu_2"))) return
       call group%get("mu_s", slow)
       call group%get("mu_2", fast)
-      if (fast < slow) text = "mu_2 must not be below mu_s"
+      if (fast < slow) text = "mu_2 must not be below mu_s [D363]"
    end function mu_i_fault
 
    !> Read the keys of the law. All frictional work becomes heat.

@@ -47,15 +47,15 @@ contains
          if (identities > most_identities) then
             call deck%add_error("body", n, "the grid has "//brief(identities)// &
                " lattice points, more than there are identities; use larger cells or "// &
-               "fewer ppc", "ppc")
+               "fewer ppc [D447]", "ppc")
             return
          else if (tiles > most_tiles) then
             call deck%add_error("body", n, "its region reaches "//brief(tiles)// &
-               " tiles, more than "//brief(most_tiles)//"; use larger cells", "region")
+               " tiles, more than "//brief(most_tiles)//"; use larger cells [D429]", "region")
          else if (points > most_points .and. .not. force) then
             call deck%add_error("body", n, "would hold up to "//brief(points)// &
                " points, more than "//brief(most_points)//"; use larger cells or fewer ppc, "// &
-               "or continue with --force", "ppc")
+               "or continue with --force [D428]", "ppc")
          end if
       end do
    end subroutine check_size
@@ -128,8 +128,8 @@ contains
             if (fastest <= fast*speed) cycle
             call deck%warn("body", n, "may collide with other bodies at "//brief(fastest)// &
                " m/s, "//brief(fastest/speed)//" times its wave speed, and its material is "// &
-               "elastic at any stress; give it a strength_model, or elastic = 'neo_hookean'", &
-               "velocity")
+               "elastic at any stress; give it a strength_model, or elastic = "// &
+               "'neo_hookean' [D425]", "velocity")
          end associate
       end do
    end subroutine check_elastic
@@ -145,10 +145,11 @@ contains
       call body%shape%bounds(low, high)
       if (any(grid%active .and. (high <= grid%lower .or. low >= grid%upper))) then
          call deck%add_error("body", place, "lies outside of the grid; "// &
-            "move its region or widen &grid", "region")
+            "move its region or widen &grid [D409]", "region")
       else
          call deck%add_error("body", place, "holds no particle: its region "// &
-            "is thinner than the lattice of dx/ppc, empty, or covered by later bodies", "region")
+            "is thinner than the lattice of dx/ppc, empty, or covered by later bodies [D410]", &
+            "region")
       end if
    end subroutine refuse_empty
 
@@ -174,7 +175,7 @@ contains
       end associate
       if (outside == 0 .or. 100*outside < inside + outside) return
       call deck%warn("body", place, "its region lies "//number(nint(100.0_wp*real(outside, wp) &
-         /real(inside + outside, wp)))//" % outside the grid and is cut there", "region")
+         /real(inside + outside, wp)))//" % outside the grid and is cut there [D424]", "region")
    end subroutine check_outside
 
    !> Sample a box around a body: points of the body inside and outside the grid.
@@ -239,7 +240,7 @@ contains
             if (last .and. boundary%mirrors(2*k)) cells = 2.0_wp*cells
             if (cells >= thinnest - round_off) cycle
             call deck%warn("body", place, "is "//brief(cells)//" cells thick in "//axis_names(k)// &
-               "; at least 2, better 6", "region")
+               "; at least 2, better 6 [D426]", "region")
             return
          end do
       end associate
@@ -287,6 +288,6 @@ contains
       if (any(stride > 1)) about = "about "
       call deck%warn("body", pair(2), "overlaps '"//bodies(pair(1))%name//"' in "//about// &
          number(points)//" points, which belong to the later body; to change this use shape "// &
-         "= 'difference'", "region")
+         "= 'difference' [D427]", "region")
    end subroutine check_overlap
 end module scene_body_placement

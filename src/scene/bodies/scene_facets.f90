@@ -60,14 +60,14 @@ contains
 
       call facets%faults(open_edges, turned_edges, crowded_edges, flat)
       if (open_edges > 0) call deck%warn(group, "the surface has "//number(open_edges)// &
-         " open edges, so points above a hole count as outside; close the surface", "file")
+         " open edges, so points above a hole count as outside; close the surface [D411]", "file")
       if (turned_edges > 0) call deck%warn(group, number(turned_edges)//" edges have facets "// &
-         "with opposite orientations; reverse those that face inwards", "file")
+         "with opposite orientations; reverse those that face inwards [D446]", "file")
       if (crowded_edges > 0) call deck%warn(group, number(crowded_edges)//" edges have more "// &
-         "than two facets: duplicate facets, or solids that touch", "file")
-      if (flat > 0) call deck%warn(group, number(flat)//" facets have no area and are left out", &
-         "file")
+         "than two facets: duplicate facets, or solids that touch [D446]", "file")
+      if (flat > 0) call deck%warn(group, number(flat)//" facets have no area and are left "// &
+         "out [D446]", "file")
       if (open_edges == 0 .and. facets%volume() < 0.0_wp) call deck%warn(group, &
-         "all facets face inwards; the enclosed volume is used", "file")
+         "all facets face inwards; the enclosed volume is used [D446]", "file")
    end subroutine examine_surface
 end module scene_facets

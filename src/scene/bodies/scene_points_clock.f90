@@ -53,7 +53,7 @@ contains
          call deck%warn("body", n, "the velocities of '"//shapes(bodies(n)%region)%points%path// &
             "' are "//brief(lag)//" s earlier than the positions, but the first step expects "// &
             brief(taken)//" s; use snapshots of one run and one time, and the same paper of "// &
-            "&method", "region")
+            "&method [D418]", "region")
       end do
    end subroutine check_clocks
 

@@ -139,7 +139,7 @@ contains
       if (components_of(putter%name) > 1 .and. info%components /= components_of(putter%name)) then
          call fail(error, exit_file, "'"//source%path//"': the field "//putter%name//" has "// &
             number(info%components)//" components instead of "// &
-            number(components_of(putter%name)))
+            number(components_of(putter%name))//" [D356]")
          return
       end if
       factor = factor_of(source, name)

@@ -53,10 +53,10 @@ contains
          leaves = leaves .or. abs(abs(placing%rotation(k, k)) - 1.0_wp) > little
       end do
       if (leaves) call deck%add_error(group, "this rotation moves points out of the plane or "// &
-         "line of the scene; in a plane only the second angle may differ from 0", "rotate")
+         "line of the scene; in a plane only the second angle may differ from 0 [D415]", "rotate")
       if (leaves .or. .not. grid%axisymmetric) return
       if (placing%rotation(1, 1) < 1.0_wp - little) call deck%add_error(group, "points are "// &
-         "rings around the axis, which cannot be rotated; write rotate = 0 0 0", "rotate")
+         "rings around the axis, which cannot be rotated; write rotate = 0 0 0 [D416]", "rotate")
    end subroutine read_placing
 
    !> False for boxes along the coordinates that are rotated by other than right angles.

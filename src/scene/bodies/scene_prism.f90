@@ -41,12 +41,12 @@ contains
       call group%get("axis", direction)
       axis = maxloc(abs(direction), 1)
       if (count(abs(direction) > 0.0_wp) /= 1) call deck%add_error(group, "the axis of a "// &
-         "prism must be a coordinate axis, such as 0 1 0; rotate it with rotate", "axis")
+         "prism must be a coordinate axis, such as 0 1 0; rotate it with rotate [D357]", "axis")
       if (grid%dimensions == 3) return
       if (grid%dimensions == 1) call deck%add_error(group, "a 1-D scene has no plane for a "// &
-         "polygon; use a box", "shape")
+         "polygon; use a box [D357]", "shape")
       if (group%given("axis") .and. axis /= 2) call deck%add_error(group, "in a plane scene "// &
-         "the axis of a prism is y, across the plane; remove axis", "axis")
+         "the axis of a prism is y, across the plane; remove axis [D357]", "axis")
       axis = 2
    end subroutine find_axis
 
@@ -61,14 +61,14 @@ contains
       span = [-far, far]*maxval(grid%upper - grid%lower)
       if (grid%dimensions < 3) then
          if (group%given("span")) call deck%add_error(group, "in a plane scene a prism is "// &
-            "unbounded across the plane; remove span", "span")
+            "unbounded across the plane; remove span [D357]", "span")
       else if (.not. group%given("span")) then
          call deck%add_error(group, "in 3-D a prism needs span, its start and end along the "// &
-            "axis", "span")
+            "axis [D357]", "span")
       else
          call group%get("span", span)
          if (.not. span(2) > span(1)) call deck%add_error(group, "the end of span must be "// &
-            "above its start", "span")
+            "above its start [D357]", "span")
       end if
    end subroutine find_span
 
@@ -92,19 +92,20 @@ contains
       end do
       if (mod(size(values), 2) /= 0) then
          call deck%add_error(group, "polygon has "//number(size(values))//" numbers, but each "// &
-            "corner needs two", "polygon")
+            "corner needs two [D357]", "polygon")
          return
       end if
       if (corners < 3) then
-         call deck%add_error(group, "a polygon needs at least three corners", "polygon")
+         call deck%add_error(group, "a polygon needs at least three corners [D357]", "polygon")
          return
       end if
       pair = crossing_edges(corner)
       if (pair(1) > 0) then
          call deck%add_error(group, "the edges of the polygon after corners "//number(pair(1))// &
-            " and "//number(pair(2))//" cross or touch; list the corners in order", "polygon")
+            " and "//number(pair(2))//" cross or touch; list the corners in order [D421]", &
+            "polygon")
       else if (.not. polygon_area(corner) > 0.0_wp) then
-         call deck%add_error(group, "the polygon has no area", "polygon")
+         call deck%add_error(group, "the polygon has no area [D357]", "polygon")
       end if
    end subroutine find_corners
 end module scene_prism

@@ -148,21 +148,21 @@ contains
          call dimension_of(deck, dimension, active)
          do k = 1, 3
             if (hi(k) > lo(k) .or. .not. active(k)) cycle
-            call deck%add_error(region, "hi must be above lo in "//axis_names(k), "hi")
+            call deck%add_error(region, "hi must be above lo in "//axis_names(k)//" [D408]", "hi")
             return
          end do
       case ("halfspace")
          call region%get("normal", axis)
          if (region%known("normal") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%add_error(region, "normal must not be 0", "normal")
+            call deck%add_error(region, "normal must not be 0 [D419]", "normal")
       case ("cylinder", "cone", "torus")
          call region%get("axis", axis)
          if (region%known("axis") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%add_error(region, "axis must not be 0", "axis")
+            call deck%add_error(region, "axis must not be 0 [D419]", "axis")
       case ("difference", "intersection")
          operands = region%count("of")
          if (operands == 1) call deck%add_error(region, &
-            "of must name two regions or more for a "//shape, "of")
+            "of must name two regions or more for a "//shape//" [D420]", "of")
       case default
          continue
       end select
@@ -186,7 +186,7 @@ contains
          if (state(next) == 0) then
             call check_operands(deck, next, state)
          else if (state(next) == 1) then
-            call deck%add_error(region, "'"//operands(i)%text//"' contains this region", &
+            call deck%add_error(region, "'"//operands(i)%text//"' contains this region [D321]", &
                "of")
          end if
       end do
@@ -227,7 +227,8 @@ contains
       if (shapes(index)%ready) return
       group = deck%group("region", index)
       if (shapes(index)%in_progress) then
-         call deck%add_error(group, "the region contains itself; name other regions", key="of")
+         call deck%add_error(group, "the region contains itself; name other regions [D321]", &
+            key="of")
          return
       end if
       shapes(index)%in_progress = .true.
@@ -256,7 +257,7 @@ contains
       own_centre = about == "centre"
       if (own_centre .and. (word == "halfspace" .or. word == "points")) then
          call deck%add_error(group, "a "//word//" has no centre to rotate about; use "// &
-            "rotate_about = 'origin'", key="rotate_about")
+            "rotate_about = 'origin' [D205]", key="rotate_about")
       else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
          call keep_centre(shapes(index)%shape, scale, rotate, translate)
       end if
@@ -367,14 +368,14 @@ contains
             if (shapes(other)%name /= names(n)%text) cycle
             call build(deck, communicator, grid, shapes, other)
             if (allocated(shapes(other)%points)) call deck%add_error(group, "'"// &
-               names(n)%text//"' is a list of points, which has no interior; name other regions", &
-               key="of")
+               names(n)%text//"' is a list of points, which has no interior; name other "// &
+               "regions [D414]", key="of")
             shapes(index)%parts = min(shapes(index)%parts + shapes(other)%parts, most_parts)
             if (sum(shapes%parts, mask=shapes%ready) + shapes(index)%parts >= most_parts) then
                if (deck%sound("region")) call deck%add_error(group, "the regions up to this "// &
                   "one are made of more than "//number(most_parts)//" simple shapes, because "// &
                   "each region contains copies of those in of; combine pairs, then pairs of "// &
-                  "these, instead of one after another, and name no region twice", key="of")
+                  "these, instead of one after another, and name no region twice [D451]", key="of")
                return
             end if
             operands(n) = shapes(other)%shape

@@ -2,7 +2,7 @@
 !> Initial velocities by a formula of the position (`velocity_formula` of &body).
 module scene_velocity_formula
    use base_agreement, only: agree
-   use base_error, only: error_t, exit_input, fail
+   use base_error, only: error_t, exit_input, fail, without_code
    use base_kinds, only: int64, wp
    use base_text, only: brief
    use deck_formula, only: formula_t
@@ -39,7 +39,7 @@ contains
          call add_to_body(simulation%space%grid, bodies(body), formula, &
             simulation%stores(bodies(body)%store), fault)
          if (allocated(fault)) call fail(error, exit_input, "&body '"//bodies(body)%name// &
-            "': velocity_formula: "//fault)
+            "': velocity_formula: "//without_code(fault)//" [D226]")
          call agree(simulation%machine%communicator, error)
          if (allocated(error)) return
       end do
@@ -92,7 +92,7 @@ contains
          call fill_bodies(simulation%space%grid, bodies, tile, bodies(body)%store, store)
          call add_to_body(simulation%space%grid, bodies(body), formula, store, fault)
          if (.not. allocated(fault)) cycle
-         call fail(error, exit_input, "velocity_formula: "//fault)
+         call fail(error, exit_input, "velocity_formula: "//without_code(fault)//" [D226]")
          return
       end do
    end subroutine check_body

@@ -86,7 +86,7 @@ contains
 
       if (file%dimensions < grid%dimensions) call deck%add_error(group, "the voxels have "// &
          number(file%dimensions)//" directions, the scene "//number(grid%dimensions)// &
-         "; write as many layers as the body is thick", "file")
+         "; write as many layers as the body is thick [D360]", "file")
       call unit_of("m", length, known)
       factor = 10.0_wp**nint(length%exponent(deck%system))
       file%edge = factor*file%edge
@@ -96,7 +96,7 @@ contains
          if (grid%active(k)) cycle
          if (file%extent(k) > 1) call deck%add_error(group, "the scene has no direction "// &
             axis_names(k)//", but there are "//number(file%extent(k))// &
-            " voxels along it; write one layer", "file")
+            " voxels along it; write one layer [D360]", "file")
          file%edge(k) = 2.0_wp*reach
          file%corner(k) = -reach
       end do

@@ -27,7 +27,8 @@ contains
       integer :: i
 
       do i = 1, deck%count("include")
-         call deck%add_error("include", i, "the file was not read; end the group with a /", "file")
+         call deck%add_error("include", i, "the file was not read; end the group with a / [D111]", &
+            "file")
       end do
       call check_case(deck)
       call set_output_units(deck)

@@ -43,7 +43,7 @@ contains
       end do
       do n = 1, size(used)
          if (.not. used(n)) call deck%warn("material", n, "no body uses it; remove it, or "// &
-            "use it in a &body", "name")
+            "use it in a &body [D445]", "name")
       end do
    end subroutine warn_of_materials
 
@@ -59,20 +59,20 @@ contains
       if (is_on(group, "damage")) then
          if (.not. any([(simulation%materials(n)%has(effect_damage), &
             n=1, size(simulation%materials))])) call deck%warn(group, "damage = .true. does "// &
-            "nothing, as no material can fail; give one a damage_model or spall", "damage")
+            "nothing, as no material can fail; give one a damage_model or spall [D445]", "damage")
       end if
       if (is_on(group, "voids")) then
          if (.not. any([(simulation%materials(n)%has(effect_voids), &
             n=1, size(simulation%materials))])) call deck%warn(group, "voids = .true. does "// &
-            "nothing, as no material has voids; give one alpha_m or solid_fraction", "voids")
+            "nothing, as no material has voids; give one alpha_m or solid_fraction [D445]", "voids")
       end if
       if (is_on(group, "contact") .and. size(simulation%fields) < 2) call deck%warn(group, &
          "contact = .true. does nothing, as all bodies have one velocity field; it needs two "// &
-         "bodies", "contact")
+         "bodies [D445]", "contact")
       if (.not. is_on(group, "gravity") .or. group%given("gravity_table")) return
       call group%get("gravity_vector", gravity)
       if (.not. any(abs(gravity) > 0.0_wp)) call deck%warn(group, "gravity = .true. does "// &
-         "nothing, as gravity_vector is 0", "gravity_vector")
+         "nothing, as gravity_vector is 0 [D445]", "gravity_vector")
    end subroutine warn_of_effects
 
    !> Whether the deck turns a switch on.
@@ -100,7 +100,7 @@ contains
             call boundary%get("t_on", begin)
             call time%get("t_end", finish)
             if (begin >= finish) call deck%warn(boundary, "comes at t = "//brief(begin)// &
-               " s and the run ends at "//brief(finish)//" s; it does nothing", "t_on")
+               " s and the run ends at "//brief(finish)//" s; it does nothing [D445]", "t_on")
          end if
          if (boundary%given("face") .or. .not. allocated(simulation%space%rigid)) cycle
          call boundary%get("region", name)
@@ -108,7 +108,8 @@ contains
             associate (rigid => simulation%space%rigid%wall(wall))
                if (rigid%name /= name .or. rigid%stays .or. rigid%motion%moves()) cycle
                if (is_outside(simulation, rigid)) call deck%warn(boundary, "the region '"// &
-                  name//"' lies outside of the grid and does not move; it does nothing", "region")
+                  name//"' lies outside of the grid and does not move; it does nothing [D445]", &
+                  "region")
             end associate
          end do
       end do
@@ -144,7 +145,7 @@ contains
          if (load%given("pressure")) call load%get("pressure", pressure)
          if (load%given("traction")) call load%get("traction", traction)
          if (.not. any(abs([pressure, traction]) > 0.0_wp)) call deck%warn(load, "is 0; it "// &
-            "does nothing", "pressure")
+            "does nothing [D445]", "pressure")
          if (.not. (load%given("factors") .and. time%given("t_end"))) cycle
          call load%list("times", times)
          call load%list("factors", factors)
@@ -152,7 +153,7 @@ contains
          if (size(times) /= size(factors) .or. size(times) == 0) cycle
          ! linear between entries, so the first one after the end of the run counts too
          if (.not. any(abs(factors(:min(size(times), count(times < finish) + 1))) > 0.0_wp)) call &
-            deck%warn(load, "its factors are 0 until the end of the run; it does nothing", &
+            deck%warn(load, "its factors are 0 until the end of the run; it does nothing [D445]", &
             "factors")
       end do
    end subroutine warn_of_loads

@@ -95,7 +95,8 @@ contains
          joins = .false.
          if (allocated(condition)) joins = condition%joins_opposite()
          if (face == "all" .and. .not. boundary%given("region")) then
-            if (every > 0) call deck%add_error(boundary, "face = 'all' is given twice", "face")
+            if (every > 0) call deck%add_error(boundary, "face = 'all' is given twice [D114]", &
+               "face")
             every = i
             if (joins) where (owner == 0) periodic = .true.
          end if
@@ -103,7 +104,7 @@ contains
             if (face_names(k) /= face) cycle
             if (.not. boundary%given("region")) then
                if (owner(k) > 0) call deck%add_error(boundary, "face = '"//face// &
-                  "' is given twice", "face")
+                  "' is given twice [D114]", "face")
                owner(k) = i
                periodic(k) = joins
             end if
@@ -126,14 +127,15 @@ contains
       real(wp) :: begin, end
 
       if (.not. (boundary%given("face") .or. boundary%given("region"))) call deck%add_error( &
-         boundary, "face or region must be given (a face of the grid, or a rigid region)")
+         boundary, "face or region must be given (a face of the grid, or a rigid region) [D326]")
       if (allocated(condition)) call check_type(deck, boundary, condition)
       if (boundary%given("temperature") .and. boundary%given("region")) call &
          refuse_temperature(deck, boundary)
       if (boundary%known("t_off") .and. boundary%known("t_on")) then
          call boundary%get("t_on", begin)
          call boundary%get("t_off", end)
-         if (.not. end > begin) call deck%add_error(boundary, "t_off must be after t_on", "t_off")
+         if (.not. end > begin) call deck%add_error(boundary, "t_off must be after t_on [D331]", &
+            "t_off")
       end if
    end subroutine check_wall
 
@@ -151,15 +153,15 @@ contains
       if (part) suits = condition%suits_part()
       fitting = fitting_types(part)
       if (boundary%given("region") .and. .not. suits) call deck%add_error(boundary, &
-         "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting, "type")
+         "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting//" [D328]", "type")
       if (part .and. .not. condition%moves()) then
          ! an echo of the deck contains the default, a velocity of zero
          velocity = 0.0_wp
          if (boundary%given("velocity")) call boundary%get("velocity", velocity)
          if (any(abs(velocity) > 0.0_wp)) call deck%add_error(boundary, "a face moves only with "&
-            //"type = 'velocity'; remove velocity, or use a region", "velocity")
+            //"type = 'velocity'; remove velocity, or use a region [D329]", "velocity")
          if (boundary%given("table")) call deck%add_error(boundary, "a face moves only with "// &
-            "type = 'velocity'; remove table, or use a region", "table")
+            "type = 'velocity'; remove table, or use a region [D329]", "table")
       end if
       if (boundary%given("temperature") .and. condition%joins_opposite() .and. &
          .not. boundary%given("region")) call refuse_temperature(deck, boundary)
@@ -171,7 +173,7 @@ contains
       type(group_t), intent(in) :: boundary              !! One boundary
 
       call deck%add_error(boundary, "temperature is allowed only for a whole face that is not "// &
-         "periodic; remove it", "temperature")
+         "periodic; remove it [D330]", "temperature")
    end subroutine refuse_temperature
 
    !> The types allowed for a part of a boundary, or for a rigid region, for a message.
@@ -219,15 +221,15 @@ contains
       end if
       if (direction == 2 .and. dimension /= "3d" .or. direction == 3 .and. dimension == "1d") then
          call deck%add_error(boundary, "dimension = '"//dimension//"' has no face "// &
-            face_names(face), "face")
+            face_names(face)//" [D325]", "face")
          return
       end if
       if (direction /= 1 .or. dimension /= "axisymmetric" .or. .not. allocated(condition)) return
       if (condition%joins_opposite()) then
-         call deck%add_error(boundary, "the radius cannot be periodic", "type")
+         call deck%add_error(boundary, "the radius cannot be periodic [D323]", "type")
       else if (face == 1 .and. .not. condition%mirrors()) then
          call deck%add_error(boundary, "the axis of an axisymmetric scene must be type = "// &
-            "'symmetry'", &
+            "'symmetry' [D324]", &
             "type")
       end if
    end subroutine check_face
@@ -244,7 +246,7 @@ contains
          partner = k - 1 + 2*mod(k, 2)
          if (face_names(k) /= face .or. .not. periodic(k) .or. periodic(partner)) cycle
          call deck%add_error(boundary, "periodic needs both faces; make "//face_names(partner)// &
-            " periodic too", "type")
+            " periodic too [D322]", "type")
       end do
    end subroutine check_pair
 
@@ -368,7 +370,7 @@ contains
       do index = 1, size(shapes)
          if (shapes(index)%name /= region .or. .not. allocated(shapes(index)%shape%shape)) cycle
          if (allocated(shapes(index)%points)) call deck%add_error(group, "'"//region// &
-            "' is a list of points, which has no interior; name another region", "region")
+            "' is a list of points, which has no interior; name another region [D414]", "region")
          allocate (wall%region, source=shapes(index)%shape%shape)
       end do
    end subroutine read_wall

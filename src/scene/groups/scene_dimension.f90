@@ -41,7 +41,7 @@ contains
       do k = 1, 3
          if (active(k) .or. abs(vector(k)) <= 0.0_wp) cycle
          call deck%add_error(group, key//" must be 0 in "//axis_names(k)//", as dimension = '"// &
-            dimension//"'", key)
+            dimension//"' [D332]", key)
       end do
    end subroutine check_plane
 end module scene_dimension

@@ -143,7 +143,8 @@ contains
       call method%choose(word == "ddmp", basis, quadrature)
       if (method%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
          call deck%add_error(group, &
-         "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
+         "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions [D311]", &
+         "basis")
       if (method%dual) call read_dual(method, deck, group)
       if (method%controlled() .or. method%differing()) call refuse_axis(deck, group, quadrature)
       call group%get("stress_update", word)
@@ -157,7 +158,7 @@ contains
       if (method%dual .and. method%stress == stress_after .and. method%transfer%affine() .and. &
          .not. method%transfer%turning()) call deck%warn(group, "transfer = '"//word//"' with "// &
          "stress_update = 'usl' gains energy without bound where bodies vibrate; remove "// &
-         "stress_update", "stress_update")
+         "stress_update [D355]", "stress_update")
       if (method%transfer%turning()) then
          call group%get("turn_from", word)
          method%smooth_turn = word == "tiles"
@@ -180,11 +181,11 @@ contains
 
       if (method%transfer%affine() .and. .not. method%transfer%turning()) then
          call deck%warn(group, "linear functions with transfer = '"//transfer// &
-            "' gain energy without bound; write basis = 'quadratic'", "transfer")
+            "' gain energy without bound; write basis = 'quadratic' [D355]", "transfer")
       else if (method%stress == stress_after .and. (method%transfer%flip_fraction() > 0.0_wp .or. &
          method%transfer%sweeps() > 0)) then
          call deck%warn(group, "linear functions with stress_update = 'usl' gain energy "// &
-            "without bound where bodies cross cells; write stress_update = 'musl'", &
+            "without bound where bodies cross cells; write stress_update = 'musl' [D355]", &
             "stress_update")
       end if
    end subroutine warn_of_linear
@@ -217,7 +218,8 @@ contains
       method%quadrature%alpha = max(position_of(word, alpha_names), 1)
       call group%get("quadrature", quadrature)
       if (quadrature == "sub_points" .and. word /= "split") call deck%add_error(group, &
-         "quadrature = 'sub_points' needs alpha = 'split', whose means are products", "alpha")
+         "quadrature = 'sub_points' needs alpha = 'split', whose means are products [D355]", &
+         "alpha")
       call group%get("blend", word)
       method%quadrature%smooth = word == "smooth"
       call group%get("alpha_0", method%quadrature%alpha_centre)
@@ -240,7 +242,7 @@ contains
       run = deck%group("run", 1)
       call run%get("dimension", dimension)
       if (dimension == "axisymmetric") call deck%add_error(group, "quadrature = '"//quadrature// &
-         "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point'", &
+         "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point' [D345]", &
          "quadrature")
    end subroutine refuse_axis
 end module scene_method

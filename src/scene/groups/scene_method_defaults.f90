@@ -119,7 +119,7 @@ contains
       if (update /= stress_names(stress_average)) return
       if (any(transfer == ["aflip", "apic "])) call deck%add_error(group, "stress_update = "// &
          "'usavg' generates energy without bound with transfer = '"//transfer//"'; write "// &
-         "transfer = 'rflip' or remove stress_update", "stress_update")
+         "transfer = 'rflip' or remove stress_update [D355]", "stress_update")
       if (transfer /= "rflip") return
       if (.not. group%given("turn_from")) then
          call deck%set_default("method", 1, "turn_from", "tiles")
@@ -127,7 +127,8 @@ contains
       end if
       call group%get("turn_from", turn)
       if (turn /= "tiles") call deck%add_error(group, "stress_update = 'usavg' generates "// &
-         "energy with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
+         "energy with turn_from = '"//turn//"'; write 'tiles' or remove turn_from [D355]", &
+         "turn_from")
    end subroutine set_turn_default
 
    !> Long particles of a gas are split, because it expands without bound and cells without
@@ -163,7 +164,7 @@ contains
       ! a deck written by the program contains its default
       if (.not. abs(share - unseen_usual) > 0.0_wp) return
       call deck%add_error(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
-         "'; remove one of the two", "unseen_strain")
+         "'; remove one of the two [D355]", "unseen_strain")
    end subroutine check_unseen
 
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
@@ -181,7 +182,7 @@ contains
       may = may_normalise(deck)
       if (word /= "none" .and. .not. may) call deck%add_error(group, &
          "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
-         "no viscosity_limiter = 'smooth' or paper = .true.; write 'none'", "normalise")
+         "no viscosity_limiter = 'smooth' or paper = .true.; write 'none' [D355]", "normalise")
    end subroutine check_normalise
 
    !> Does the rule of the dual gradient allow normalised sums?
@@ -216,7 +217,8 @@ contains
          if (group%given(trim(keys(n)))) then
             call group%get(trim(keys(n)), word)
             if (word /= fixed(n)) call deck%add_error(group, "paper = .true. needs "// &
-               trim(keys(n))//" = '"//trim(fixed(n))//"'; remove one of the two", trim(keys(n)))
+               trim(keys(n))//" = '"//trim(fixed(n))//"'; remove one of the two [D355]", &
+               trim(keys(n)))
          else
             call deck%set_default("method", 1, trim(keys(n)), trim(fixed(n)))
          end if
@@ -229,7 +231,7 @@ contains
             end if
             call group%get(trim(key), number)
             if (abs(number - 1.0_wp) > 0.0_wp) call deck%add_error(group, &
-               "paper = .true. needs "//trim(key)//" = 1; remove one of the two", trim(key))
+               "paper = .true. needs "//trim(key)//" = 1; remove one of the two [D355]", trim(key))
          end associate
       end do
    end subroutine set_paper_defaults

@@ -49,7 +49,7 @@ contains
       call group%get("io_hints", text)
       call split_hints(text, names, values, right)
       if (.not. right) call deck%add_error(group, "io_hints = '"//text// &
-         "' must be 'auto', 'none', or pairs such as 'romio_cb_write=enable; cb_nodes=4'", &
+         "' must be 'auto', 'none', or pairs such as 'romio_cb_write=enable; cb_nodes=4' [D230]", &
          "io_hints")
    end subroutine check_parallel
 

@@ -37,7 +37,7 @@ contains
          range="> 0 <= "//number(deck_version))
       call schema%explain_range("run", "deck_version", "scree "//version_text//" "// &
          "supports decks up to deck_version "//number(deck_version)//"; use a later scree "// &
-         "for this deck")
+         "for this deck [D219]")
       call schema%allow_change("run", "title case deck_version", changes_nothing)
       call schema%forbid_change("run", "dimension method", "the particles of the checkpoint "// &
          "have the fields of this choice")

@@ -102,18 +102,20 @@ contains
       call time%get("dt_max", dt_max)
       call time%get("dt_fixed", dt_fixed)
       if (time%given("dt_max") .and. time%valid(["dt_max"]) .and. dt_max <= dt_min) &
-         call deck%add_error(time, "dt_max must be above dt_min", "dt_max")
+         call deck%add_error(time, "dt_max must be above dt_min [D312]", "dt_max")
       if (time%given("dt_fixed") .and. time%valid(["dt_fixed"])) then
-         if (dt_fixed < dt_min) call deck%add_error(time, "dt_fixed is below dt_min", "dt_fixed")
+         if (dt_fixed < dt_min) call deck%add_error(time, "dt_fixed is below dt_min [D313]", &
+            "dt_fixed")
          if (time%given("dt_max")) call deck%add_error(time, &
-            "dt_fixed and dt_max are both given; keep one", "dt_fixed")
-         if (time%given("cfl")) call deck%warn(time, "cfl is not used, as dt_fixed is given", "cfl")
+            "dt_fixed and dt_max are both given; keep one [D307]", "dt_fixed")
+         if (time%given("cfl")) call deck%warn(time, "cfl is not used, as dt_fixed is "// &
+            "given [D314]", "cfl")
       end if
       call time%get("wall_limit", limit)
       if (time%given("wall_limit") .and. limit /= "none" .and. limit /= "slurm" .and. &
          limit /= "") then
          if (.not. is_clock(limit)) call deck%add_error(time, "wall_limit = '"//limit// &
-            "' must be 'none', 'slurm', or hours, minutes and seconds such as '03:30:00'", &
+            "' must be 'none', 'slurm', or hours, minutes and seconds such as '03:30:00' [D216]", &
             "wall_limit")
       end if
    end subroutine check_time

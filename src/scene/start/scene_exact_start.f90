@@ -40,7 +40,8 @@ contains
          end associate
       end do
       if (simulation%machine%communicator%any(outside)) then
-         call fail(error, exit_input, "&exact moves particles out of the grid; enlarge &grid")
+         call fail(error, exit_input, "&exact moves particles out of the grid; enlarge "// &
+            "&grid [D352]")
          return
       end if
       call sort_particles(simulation)

@@ -36,23 +36,23 @@ contains
       call group%get("k0", body%lateral)
       if (.not. allocated(simulation%effects%gravity)) then
          call deck%add_error(group, "initial_stress = 'lithostatic' needs gravity; write "// &
-            "&effects gravity = .true. /", "initial_stress")
+            "&effects gravity = .true. / [D353]", "initial_stress")
       else if (.not. any(abs(simulation%effects%gravity) > 0.0_wp)) then
          call deck%add_error(group, "initial_stress = 'lithostatic' needs gravity along a "// &
-            "direction of the scene", "initial_stress")
+            "direction of the scene [D353]", "initial_stress")
       end if
       associate (material => simulation%materials(body%store))
          whole = .not. allocated(material%eos)
          if (whole) whole = .not. material%bulk_in_rate_form()
          if (whole) call deck%add_error(group, "material '"//material%name//"' computes its "// &
             "stress from its deformation alone, which is zero at the start; write "// &
-            "initial_stress = 'zero'", &
+            "initial_stress = 'zero' [D423]", &
             "initial_stress")
       end associate
       if (body%on_lattice()) return
       if (.not. body%given%clipped) call deck%add_error(group, "initial_stress = "// &
          "'lithostatic' needs a region with a surface, not a list of points; write 'file' or "// &
-         "'zero'", "initial_stress")
+         "'zero' [D353]", "initial_stress")
    end subroutine read_lithostatic
 
    !> Set the stress of particles to that of the weight above. All shapes still exist.

@@ -466,7 +466,8 @@ contains
       call state%get("ledger_scales", scales, error)
       if (allocated(error)) return
       if (size(start) /= size(ledger_entries) + 1 .or. size(scales) /= 3) then
-         call fail(error, exit_file, "the checkpoint has the ledger of another version of scree")
+         call fail(error, exit_file, "the checkpoint has the ledger of another version of "// &
+            "scree [F109]")
          return
       end if
       self%start%entry = start(:size(ledger_entries))

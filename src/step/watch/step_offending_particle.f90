@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Names the particle for which a run has to stop: the same words for any ranks and threads.
 module step_offending_particle
+   use base_error, only: without_code
    use base_kinds, only: int64, wp
    use material_type, only: material_t
    use particle_split, only: generation_of, root_of
@@ -58,7 +59,7 @@ contains
             value)//reason_text(simulation, found, fault)
       end if
       call spread(simulation, text)
-      if (len(text) == 0) text = "a wave speed is not a finite number"
+      if (len(text) == 0) text = "a wave speed is not a finite number [R104]"
       text = step_text(simulation%clock)//": "//text//fixed_step_text(simulation)//new_line("a")// &
          replay_text(simulation)
    end subroutine name_offending_particle
@@ -90,7 +91,7 @@ contains
       write (before, "(i0)") simulation%clock%step - 1
       text = "this state is written to snapshots but not to a checkpoint; to get the state "// &
          "before this step run again with -s time.max_steps="//trim(before)// &
-         ", and with --restart if there is a checkpoint"
+         ", and with --restart if there is a checkpoint [R110]"
    end function replay_text
 
    !> Text on the particle that limits the time step. Collective.
@@ -286,23 +287,23 @@ contains
       associate (bounds => clock%guard%bounds)
          select case (fault)
          case (fault_velocity)
-            line = "its velocity is not a finite number"
+            line = "its velocity is not a finite number [R104]"
          case (fault_stress)
-            line = "its stress is not a finite number"
+            line = "its stress is not a finite number [R104]"
          case (fault_inverted)
-            write (line, "(a,es10.3)") &
-               "it is inverted: the determinant of its deformation is ", value
+            write (line, "(a,es10.3,a)") &
+               "it is inverted: the determinant of its deformation is ", value, " [R105]"
          case (fault_small)
-            write (line, "(a,es10.3,a,es10.3)") "its volume over the reference volume,", value, &
-               ", is below volume_ratio_min =", bounds%ratio_min
+            write (line, "(a,es10.3,a,es10.3,a)") "its volume over the reference volume,", value, &
+               ", is below volume_ratio_min =", bounds%ratio_min, " [R106]"
          case (fault_large)
-            write (line, "(a,es10.3,a,es10.3)") "its volume over the reference volume,", value, &
-               ", is above volume_ratio_max =", bounds%ratio_max
+            write (line, "(a,es10.3,a,es10.3,a)") "its volume over the reference volume,", value, &
+               ", is above volume_ratio_max =", bounds%ratio_max, " [R107]"
          case (fault_fast)
             write (line, "(a,es10.3,a,es10.3,a)") "its speed", value, &
-               " m/s is above speed_max =", bounds%speed_max, " m/s"
+               " m/s is above speed_max =", bounds%speed_max, " m/s [R108]"
          case default
-            line = "its volume is not a finite number"
+            line = "its volume is not a finite number [R104]"
          end select
       end associate
       text = trim(line)
@@ -322,7 +323,7 @@ contains
          if (.not. (allocated(material%eos) .and. allocated(state%energy))) return
          text = material%eos%fault_of_state(state%mass(p)/state%volume(p), state%energy(p))
       end associate
-      if (len(text) > 0) text = "; "//text
+      if (len(text) > 0) text = "; "//without_code(text)
    end function reason_text
 
    !> Send the text of the one rank with a text to all ranks.

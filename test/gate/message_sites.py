@@ -4,7 +4,8 @@
     for site in sites(root): print(site.path, site.line, site.text)
 
 A site is a call that reports an error or a warning, or an assignment of a message to a variable; its text has `...` in
-place of each variable.
+place of each variable. A site is complete without a code if another one gives it the code: it continues a message, it
+contains a variable with a message, or the procedure that it calls, or a later statement, adds the code.
 """
 
 import re
@@ -21,6 +22,10 @@ RESULT = re.compile(r"(?:^|\)\s*)text\s*=(?!=)", re.I)
 FUNCTION = re.compile(r"^(?!end).*\bfunction\s+(\w+)", re.I)
 LITERAL = re.compile(r'"((?:[^"]|"")*)"')
 FEWEST = 2                       # a text with at least this many words in quotes is a message
+CODE = re.compile(r" \[([CDFR]\d{3})\]")
+# Variables and functions whose texts are messages.
+MESSAGE = re.compile(r"(?:^|//|\()\s*(?:fault|problem|message|reason|error%message|\w+_problem|expectation)\b", re.I)
+PROCEDURE = re.compile(r"^(?:pure |recursive )*(?:subroutine|function)\s+(\w+).*?^end ", re.I | re.M | re.S)
 
 
 class Site(NamedTuple):
@@ -29,6 +34,7 @@ class Site(NamedTuple):
     path: str
     line: int
     text: str
+    complete: bool               # another site gives the code
 
 
 def statements(source):
@@ -90,21 +96,42 @@ def shape(argument):
     return re.sub(r"(\.\.\.){2,}", "...", text)
 
 
+def adders(lines):
+    """Procedures of a file that add a code to the text of an argument, and variables that get a code later."""
+    whole = "\n".join(text for _, text in lines)
+    procedures = {match.group(1).lower() for match in PROCEDURE.finditer(whole)
+                  if CODE.search(match.group()) and re.search(r"//what\b|, name\b", match.group())}
+    variables = set()
+    for _, text in lines:
+        called = CALL.search(text)
+        if CODE.search(text) or (called and called.group(2).lower() in procedures):
+            variables |= set(re.findall(r"//\s*(\w+)\s*(?=//|\))", LITERAL.sub('""', text)))
+            variables |= set(re.findall(r"^(\w+) = \1//", text))
+    return procedures, variables
+
+
 def sites(root):
     """All calls that report a message with a text of their own."""
     for path in sorted((root / "src").rglob("*.f90")):
         inside = False
-        for line, statement in statements(path.read_text(encoding="utf-8")):
+        lines = list(statements(path.read_text(encoding="utf-8")))
+        procedures, variables = adders(lines)
+        for line, statement in lines:
             for call in CALL.finditer(statement):
                 if call.group(2).lower() not in REPORTS:
                     continue
-                shapes = [shape(part) for part in arguments(statement[call.end():])]
-                text = max(shapes, key=lambda one: len(one.replace("...", "").split()), default="")
+                parts = arguments(statement[call.end():])
+                text, part = max(((shape(part), part) for part in parts),
+                                 key=lambda one: len(one[0].replace("...", "").split()), default=("", ""))
                 if len(re.findall(r"\w{2,}", text)) >= FEWEST:
-                    yield Site(str(path.relative_to(root)), line, text)
+                    complete = call.group(2).lower() in procedures or bool(MESSAGE.search(LITERAL.sub('""', part)))
+                    yield Site(str(path.relative_to(root)), line, text, complete)
             name = FUNCTION.search(statement)
             inside = "fault" in name.group(1) if name else inside
             for words in [*WORDS.finditer(statement), *(RESULT.finditer(statement) if inside else [])]:
-                text = shape(statement[words.end():].strip())
+                part = statement[words.end():].strip()
+                text, variable = shape(part), re.search(r"(\w+)\s*=$", words.group()).group(1)
                 if len(re.findall(r"\w{2,}", text)) >= FEWEST:
-                    yield Site(str(path.relative_to(root)), line, text)
+                    complete = variable in variables or part.startswith(f"{variable}//") or bool(MESSAGE.search(
+                        LITERAL.sub('""', part)))
+                    yield Site(str(path.relative_to(root)), line, text, complete)
