@@ -74,7 +74,7 @@ contains
       call agree(test%communicator, late)
       if (test%failures > 0) then
          call fail(error, exit_internal, "self-test: error: "//number(test%failures)//" of "// &
-            number(test%checks)//" checks failed:"//test%details//" [R132]")
+            number(test%checks)//" checks failed: [R132]"//test%details)
       else if (allocated(late)) then
          call move_alloc(late, error)
       else
