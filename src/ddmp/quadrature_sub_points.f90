@@ -148,15 +148,13 @@ contains
                shape%values(p, k) = volume(first + p - 1)*stress(first + p - 1, component(k, l))
             end do
          end do
-         associate (weight => shape%mean%spline%weight)
-            value = weight(:count, :, l)
-            weight(:count, :, l) = -shape%mean%cell_slope(:count, :, l)
-            call scatter_spline_values(grid, count, shape%mean%spline, 3, shape%values, 4, patch)
-            weight(:count, :, l) = shape%mean%node_value(:count, :, l)
-            call scatter_spline_values(grid, count, shape%mean%spline, 3, shape%values, 5 + 3*l, &
-               patch)
-            weight(:count, :, l) = value
-         end associate
+         value = shape%mean%spline%weight(:count, :, l)
+         shape%mean%spline%weight(:count, :, l) = -shape%mean%cell_slope(:count, :, l)
+         call scatter_spline_values(grid, count, shape%mean%spline, 3, shape%values, 4, patch)
+         shape%mean%spline%weight(:count, :, l) = shape%mean%node_value(:count, :, l)
+         call scatter_spline_values(grid, count, shape%mean%spline, 3, shape%values, 5 + 3*l, &
+            patch)
+         shape%mean%spline%weight(:count, :, l) = value
       end do
    end subroutine sub_scatter_force
 
@@ -179,15 +177,13 @@ contains
             cycle
          end if
          column = node_gradient(3*l - 2:3*l, :)
-         associate (weight => shape%mean%spline%weight)
-            value = weight(:count, :, l)
-            weight(:count, :, l) = shape%mean%cell_slope(:count, :, l)
-            call gather_spline_values(grid, shape%start, shape%mean%spline, nodes, shape%values)
-            weight(:count, :, l) = shape%mean%node_value(:count, :, l)
-            call gather_spline_values(grid, shape%start, shape%mean%spline, column, &
-               shape%values(:, 4:))
-            weight(:count, :, l) = value
-         end associate
+         value = shape%mean%spline%weight(:count, :, l)
+         shape%mean%spline%weight(:count, :, l) = shape%mean%cell_slope(:count, :, l)
+         call gather_spline_values(grid, shape%start, shape%mean%spline, nodes, shape%values)
+         shape%mean%spline%weight(:count, :, l) = shape%mean%node_value(:count, :, l)
+         call gather_spline_values(grid, shape%start, shape%mean%spline, column, &
+            shape%values(:, 4:))
+         shape%mean%spline%weight(:count, :, l) = value
          do k = 1, 3
             do p = 1, count
                gradient(p, k + 3*(l - 1)) = scale*(shape%values(p, k) + shape%values(p, 3 + k))

@@ -9,13 +9,13 @@ module basis_linear
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_basis, only: basis_scatter_motion, basis_t
+   use transfer_basis, only: basis_t
    use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values
    use transfer_hoop, only: gather_factored_hoop
    use transfer_scatter, only: scatter_values
    use transfer_scatter_affine, only: scatter_affine, scatter_turning
    use transfer_scatter_plane, only: plane_force
-   use transfer_scatter_space, only: space_force, space_motion
+   use transfer_scatter_space, only: space_force
    use transfer_shape_data, only: shape_data_t
    implicit none
    private
@@ -31,7 +31,6 @@ module basis_linear
       procedure :: scatter_stress => linear_scatter_stress
       procedure :: gather_values => linear_gather_values
       procedure :: gather_gradient => linear_gather_gradient
-      procedure :: scatter_motion => linear_scatter_motion
       procedure :: scatter_turning => linear_scatter_turning
       procedure :: gather_motion => linear_gather_motion
       procedure :: gather_hoop => linear_gather_hoop
@@ -63,23 +62,6 @@ contains
 
       call scatter_values(grid, shape%start, shape%local, count, values, before, patch)
    end subroutine linear_scatter_values
-
-   !> Add mass and momentum to columns 1 to 4 of a patch. Equation (M.1) of doc/theory/method.md.
-   pure subroutine linear_scatter_motion(self, grid, shape, first, mass, velocity, patch)
-      class(basis_linear_t), intent(in) :: self
-      type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(inout) :: shape
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-
-      if (grid%dimensions == 3) then
-         call space_motion(grid, shape%start, first, shape%local, mass, velocity, patch)
-      else
-         call basis_scatter_motion(self, grid, shape, first, mass, velocity, patch)
-      end if
-   end subroutine linear_scatter_motion
 
    !> Add mass and momentum of linear velocity fields, sum m S_i (v + C (x_i - x)), to columns 1 to
    !! 4 of a patch (C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans. Graph. 34

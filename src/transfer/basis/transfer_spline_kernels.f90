@@ -59,7 +59,8 @@ contains
                part(4, p) = values(skipped + p, at(4))
             end do
             if (.not. grid%active(2)) then
-               call add_plane_values(spline, skipped, number, part, columns*grid%stride(3), &
+               call add_plane_values(spline%after, skipped, number, size(spline%node), &
+                  spline%node, spline%low, spline%weight, part, columns*grid%stride(3), &
                   size(sums), sums)
                cycle
             end if
@@ -153,11 +154,17 @@ contains
       end do
    end subroutine add_values
 
-   !> The same in planes and on lines.
-   pure subroutine add_plane_values(spline, skipped, number, values, up, numbers, sums)
-      type(spline_data_t), intent(in) :: spline
+   !> The same in planes and on lines. Functions are whole arrays, which are indexed directly.
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine add_plane_values(after, skipped, number, rows, node, low, weight, values, up, &
+      numbers, sums)
+      integer, intent(in) :: after                           !! Layers after the first one
       integer, intent(in) :: skipped                         !! Index offset
       integer, intent(in) :: number                          !! Number of particles
+      integer, intent(in) :: rows                            !! Length of the next three
+      integer, intent(in) :: node(rows)                      !! (particle) First node
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First in use
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
       real(wp), intent(in) :: values(columns, batch)         !! (column, particle)
       integer, intent(in) :: up                              !! Numbers from layer to layer
       integer, intent(in) :: numbers                         !! Four per node of the tile
@@ -166,11 +173,10 @@ contains
 
       do p = 1, number
          q = skipped + p
-         at = columns*(spline%node(q) - 1) + (spline%low(q, 3) - 1)*up
-         do k = spline%low(q, 3), spline%low(q, 3) + spline%after
-            call add_line(line, spline%weight(q, k, 3), spline%weight(q, 1, 1), &
-               spline%weight(q, 2, 1), spline%weight(q, 3, 1), spline%weight(q, 4, 1), &
-               values(1, p), at, numbers, sums)
+         at = columns*(node(q) - 1) + (low(q, 3) - 1)*up
+         do k = low(q, 3), low(q, 3) + after
+            call add_line(line, weight(q, k, 3), weight(q, 1, 1), weight(q, 2, 1), &
+               weight(q, 3, 1), weight(q, 4, 1), values(1, p), at, numbers, sums)
             at = at + up
          end do
       end do
@@ -232,7 +238,8 @@ contains
             load(3, 3, p) = share*stress(q, 3)
          end do
          if (.not. grid%active(2)) then
-            call add_plane_loads(spline, skipped, number, load, columns*grid%stride(3), &
+            call add_plane_loads(spline%after, skipped, number, size(spline%node), spline%node, &
+               spline%low, spline%weight, spline%slope, load, columns*grid%stride(3), &
                size(sums), sums)
             cycle
          end if
@@ -279,10 +286,17 @@ contains
    end subroutine add_loads
 
    !> The same in planes and on lines.
-   pure subroutine add_plane_loads(spline, skipped, number, load, up, numbers, sums)
-      type(spline_data_t), intent(in) :: spline
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine add_plane_loads(after, skipped, number, rows, node, low, weight, slope, load, &
+      up, numbers, sums)
+      integer, intent(in) :: after                           !! Layers after the first one
       integer, intent(in) :: skipped                         !! Index offset
       integer, intent(in) :: number                          !! Number of particles
+      integer, intent(in) :: rows                            !! Length of the next four
+      integer, intent(in) :: node(rows)                      !! (particle) First node
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First in use
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      real(wp), intent(in) :: slope(rows, line, 3)           !! Derivatives of the functions [1/m]
       real(wp), intent(in) :: load(columns, 3, batch)        !! (component, direction, particle)
       integer, intent(in) :: up                              !! Numbers from layer to layer
       integer, intent(in) :: numbers                         !! Four per node of the tile
@@ -293,14 +307,14 @@ contains
 
       do p = 1, number
          q = skipped + p
-         at = columns*(spline%node(q) - 1) + (spline%low(q, 3) - 1)*up
-         w = spline%weight(q, :, 1)
-         s = spline%slope(q, :, 1)
-         do k = spline%low(q, 3), spline%low(q, 3) + spline%after
+         at = columns*(node(q) - 1) + (low(q, 3) - 1)*up
+         w = weight(q, :, 1)
+         s = slope(q, :, 1)
+         do k = low(q, 3), low(q, 3) + after
             !$omp simd
             do c = 1, columns
-               along(c) = spline%weight(q, k, 3)*load(c, 1, p)
-               across(c) = spline%slope(q, k, 3)*load(c, 3, p)
+               along(c) = weight(q, k, 3)*load(c, 1, p)
+               across(c) = slope(q, k, 3)*load(c, 3, p)
             end do
             call add_force(line, w, s, along, across, at, numbers, sums)
             at = at + up
