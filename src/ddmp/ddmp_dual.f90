@@ -14,7 +14,8 @@
 !! (M.3) and (M.14) of doc/theory/method.md.
 module ddmp_dual
    use base_kinds, only: wp
-   use ddmp_operator, only: add_dual_force, add_dual_gradient, dual_operator_t
+   use ddmp_operator, only: dual_operator_t, force_plane, force_space, gradient_plane, &
+      gradient_space
    use mesh_grid, only: grid_t, lane_bit, lanes
    implicit none
    private
@@ -176,8 +177,12 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
 
-      call add_dual_force(self%products, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
-         weight, stress, patch)
+      if (grid%dimensions == 3) then
+         call force_space(self%products, grid, weight, stress, patch)
+      else
+         call force_plane(self%products, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
+            weight, stress, patch)
+      end if
    end subroutine dual_add_force
 
    !> Add sum_i u_i D_ji of the cells of a tile to a patch. The sum of (M.6).
@@ -189,8 +194,12 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
 
-      call add_dual_gradient(self%products, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
-         weight, velocity, patch)
+      if (grid%dimensions == 3) then
+         call gradient_space(self%products, grid, weight, velocity, patch)
+      else
+         call gradient_plane(self%products, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
+            weight, velocity, patch)
+      end if
    end subroutine dual_add_gradient
 
    !> Index of the integrals of a cell.

@@ -18,7 +18,7 @@ module ddmp_operator
    implicit none
    private
 
-   public :: dual_operator_t, add_dual_force, add_dual_gradient
+   public :: dual_operator_t, force_plane, force_space, gradient_plane, gradient_space
 
    integer, parameter :: parts = 3                   !! Components of a vector
    integer, parameter :: plane = 2                   !! The same in a plane, along x and z
@@ -105,23 +105,7 @@ contains
       end do
    end subroutine lay_weights
 
-   !> Add the force of the node stress, - sum_j sigma_j . D_ji, of the cells of a tile.
-   pure subroutine add_dual_force(self, grid, tile, weight, stress, patch)
-      type(dual_operator_t), intent(in) :: self
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: tile                    !! Tile along x, from 1
-      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
-      real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
-
-      if (grid%dimensions < 3) then
-         call force_plane(self, grid, tile, weight, stress, patch)
-      else
-         call force_space(self, grid, weight, stress, patch)
-      end if
-   end subroutine add_dual_force
-
-   !> The same in space.
+   !> Add the force of the node stress, - sum_j sigma_j . D_ji, of the cells of a tile in space.
    pure subroutine force_space(self, grid, weight, stress, patch)
       type(dual_operator_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -146,23 +130,7 @@ contains
       end do
    end subroutine force_space
 
-   !> Add sum_i u_i D_ji of the cells of a tile.
-   pure subroutine add_dual_gradient(self, grid, tile, weight, velocity, patch)
-      type(dual_operator_t), intent(in) :: self
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: tile                    !! Tile along x, from 1
-      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
-      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
-
-      if (grid%dimensions < 3) then
-         call gradient_plane(self, grid, tile, weight, velocity, patch)
-      else
-         call gradient_space(self, grid, weight, velocity, patch)
-      end if
-   end subroutine add_dual_gradient
-
-   !> The same in space.
+   !> Add sum_i u_i D_ji of the cells of a tile in space.
    pure subroutine gradient_space(self, grid, weight, velocity, patch)
       type(dual_operator_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -12,7 +12,6 @@ module quadrature_sub_points
    use particle_store, only: store_t, traits_t
    use transfer_shape_data, only: line, shape_data_t
    use transfer_spline_gather, only: gather_spline_values
-   use transfer_spline_gather_plane, only: gather_plane_values
    use transfer_spline_kernels, only: scatter_spline_values
    implicit none
    private
@@ -20,7 +19,6 @@ module quadrature_sub_points
    public :: quadrature_sub_points_t
 
    integer, parameter :: points = 4                  !! Sub-points along a direction
-   integer, parameter :: after = line - 1            !! Layers of a block after the first one
    !> Component (k, l) of a symmetric tensor
    integer, parameter :: component(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
 
@@ -63,12 +61,14 @@ contains
       integer :: direction, cell, from, to
 
       call shape%mean%reserve(store%count(tile))
-      shape%mean%value = 0.0_wp
+      call shape%mean%spline%take_cells(grid, shape%start)
+      shape%mean%spline%low = 1
+      shape%mean%spline%weight = 0.0_wp
       shape%mean%cell_slope = 0.0_wp
       shape%mean%node_value = 0.0_wp
       do direction = 1, 3
          if (.not. grid%active(direction)) then
-            shape%mean%value(:, 1, direction) = 1.0_wp
+            shape%mean%spline%weight(:, 1, direction) = 1.0_wp
             cycle
          end if
          do cell = 0, grid%tile_cells - 1
@@ -113,8 +113,8 @@ contains
             value = [1.0_wp - y, y]
             do node = 0, 1
                associate (at => k + node + 2)
-                  shape%mean%value(p, at, direction) = shape%mean%value(p, at, direction) &
-                     + part*value(node)
+                  shape%mean%spline%weight(p, at, direction) = &
+                     shape%mean%spline%weight(p, at, direction) + part*value(node)
                   shape%mean%cell_slope(p, at, direction) = &
                      shape%mean%cell_slope(p, at, direction) &
                      + part*alpha*real(2*node - 1, wp)/grid%spacing
@@ -135,13 +135,12 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: basis(shape%count, line, 3)
-      integer :: low(shape%count, 3), node(shape%count), reach, p, k, l, count
+      real(wp) :: value(shape%count, line)
+      integer :: p, k, l, count
 
       count = shape%count
-      call put_on(grid, shape, count, basis, low, node, reach)
       shape%values(:count, 1) = volume(first:first + count - 1)
-      call scatter_spline_values(grid, layers(grid), shape, 1, shape%values, 7, patch)
+      call scatter_spline_values(grid, count, shape%mean%spline, 1, shape%values, 7, patch)
       do l = 1, 3
          if (.not. grid%active(l)) cycle
          do k = 1, 3
@@ -149,16 +148,14 @@ contains
                shape%values(p, k) = volume(first + p - 1)*stress(first + p - 1, component(k, l))
             end do
          end do
-         shape%spline%weight(:count, :, l) = -shape%mean%cell_slope(:count, :, l)
-         call scatter_spline_values(grid, layers(grid), shape, 3, shape%values, 4, patch)
-         shape%spline%weight(:count, :, l) = shape%mean%node_value(:count, :, l)
-         call scatter_spline_values(grid, layers(grid), shape, 3, shape%values, 5 + 3*l, patch)
-         shape%spline%weight(:count, :, l) = shape%mean%value(:count, :, l)
+         value = shape%mean%spline%weight(:count, :, l)
+         shape%mean%spline%weight(:count, :, l) = -shape%mean%cell_slope(:count, :, l)
+         call scatter_spline_values(grid, count, shape%mean%spline, 3, shape%values, 4, patch)
+         shape%mean%spline%weight(:count, :, l) = shape%mean%node_value(:count, :, l)
+         call scatter_spline_values(grid, count, shape%mean%spline, 3, shape%values, 5 + 3*l, &
+            patch)
+         shape%mean%spline%weight(:count, :, l) = value
       end do
-      shape%spline%weight(:count, :, :) = basis
-      shape%spline%low(:count, :) = low
-      shape%spline%node(:count) = node
-      shape%spline%reach = reach
    end subroutine sub_scatter_force
 
    !> Velocity gradient.
@@ -170,75 +167,28 @@ contains
       real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: basis(shape%count, line, 3), column(3, size(nodes, 2))
-      integer :: low(shape%count, 3), node(shape%count), reach, p, k, l, count
+      real(wp) :: value(shape%count, line), column(3, size(nodes, 2))
+      integer :: p, k, l, count
 
       count = shape%count
-      call put_on(grid, shape, count, basis, low, node, reach)
       do l = 1, 3
          if (.not. grid%active(l)) then
             gradient(:count, 3*l - 2:3*l) = 0.0_wp
             cycle
          end if
          column = node_gradient(3*l - 2:3*l, :)
-         shape%spline%weight(:count, :, l) = shape%mean%cell_slope(:count, :, l)
-         call gather_mean_vector(grid, shape, nodes, 0)
-         shape%spline%weight(:count, :, l) = shape%mean%node_value(:count, :, l)
-         call gather_mean_vector(grid, shape, column, 3)
-         shape%spline%weight(:count, :, l) = shape%mean%value(:count, :, l)
+         value = shape%mean%spline%weight(:count, :, l)
+         shape%mean%spline%weight(:count, :, l) = shape%mean%cell_slope(:count, :, l)
+         call gather_spline_values(grid, shape%start, shape%mean%spline, nodes, shape%values)
+         shape%mean%spline%weight(:count, :, l) = shape%mean%node_value(:count, :, l)
+         call gather_spline_values(grid, shape%start, shape%mean%spline, column, &
+            shape%values(:, 4:))
+         shape%mean%spline%weight(:count, :, l) = value
          do k = 1, 3
             do p = 1, count
                gradient(p, k + 3*(l - 1)) = scale*(shape%values(p, k) + shape%values(p, 3 + k))
             end do
          end do
       end do
-      shape%spline%weight(:count, :, :) = basis
-      shape%spline%low(:count, :) = low
-      shape%spline%node(:count) = node
-      shape%spline%reach = reach
    end subroutine sub_gather_gradient
-
-   !> Replace the shape functions used by the maps by those of the dual gradient, and save those of
-   !! the basis.
-   pure subroutine put_on(grid, shape, count, basis, low, node, reach)
-      type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(inout) :: shape
-      integer, intent(in) :: count                           !! Particles of the tile
-      real(wp), contiguous, intent(inout) :: basis(:, :, :)  !! (particle of the tile, node, 3)
-      integer, contiguous, intent(inout) :: low(:, :)        !! (particle of the tile, 3)
-      integer, contiguous, intent(inout) :: node(:)          !! (particle of the tile)
-      integer, intent(out) :: reach                          !! Nodes of a line
-
-      basis = shape%spline%weight(:count, :, :)
-      low = shape%spline%low(:count, :)
-      shape%spline%weight(:count, :, :) = shape%mean%value(:count, :, :)
-      shape%spline%low(:count, :) = 1
-      node = shape%spline%node(:count)
-      reach = shape%spline%reach
-      call shape%spline%take_cells(grid, shape%start)
-   end subroutine put_on
-
-   !> Layers of a block after the first one.
-   pure integer function layers(grid) result(number)
-      type(grid_t), intent(in) :: grid
-
-      number = merge(after, 0, grid%active(3))
-   end function layers
-
-   !> Values sum S_i node_i of three columns.
-   pure subroutine gather_mean_vector(grid, shape, nodes, skip)
-      type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(inout) :: shape !! Receives the values at particles
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
-      integer, intent(in) :: skip                            !! Column offset in the values
-      real(wp), allocatable :: values(:, :)
-
-      call move_alloc(shape%values, values)
-      if (grid%dimensions < 3) then
-         call gather_plane_values(grid, shape, nodes, values(:, skip + 1:))
-      else
-         call gather_spline_values(grid, shape%count, shape%spline, nodes, skip, values)
-      end if
-      call move_alloc(values, shape%values)
-   end subroutine gather_mean_vector
 end module quadrature_sub_points

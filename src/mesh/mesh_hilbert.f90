@@ -13,14 +13,14 @@ module mesh_hilbert
    public :: hilbert_coordinate, hilbert_key
 
    integer, parameter, public :: curve_bits = 21     !! Coordinates: 0 to 2^21 - 1
-   !> Masks that spread bits over every second and over every third bit, step by step.
-   integer(int64), parameter :: second(5) = [int(z"0000ffff0000ffff", int64), &
-      int(z"00ff00ff00ff00ff", int64), int(z"0f0f0f0f0f0f0f0f", int64), &
-      int(z"3333333333333333", int64), int(z"5555555555555555", int64)]
-   integer(int64), parameter :: third(5) = [int(z"001f00000000ffff", int64), &
-      int(z"001f0000ff0000ff", int64), int(z"100f00f00f00f00f", int64), &
-      int(z"10c30c30c30c30c3", int64), int(z"1249249249249249", int64)]
-   integer(int64), parameter :: all_bits = 2_int64**curve_bits - 1
+   !> Masks of bits that are spread over every second and over every third bit, step by step.
+   integer(int64), parameter :: masks(0:5, 2:3) = reshape([2_int64**curve_bits - 1, &
+      int(z"0000ffff0000ffff", int64), int(z"00ff00ff00ff00ff", int64), &
+      int(z"0f0f0f0f0f0f0f0f", int64), int(z"3333333333333333", int64), &
+      int(z"5555555555555555", int64), 2_int64**curve_bits - 1, &
+      int(z"001f00000000ffff", int64), int(z"001f0000ff0000ff", int64), &
+      int(z"100f00f00f00f00f", int64), int(z"10c30c30c30c30c3", int64), &
+      int(z"1249249249249249", int64)], [6, 2])
 
 contains
 
@@ -33,9 +33,9 @@ contains
       case (1)
          key = int(coordinate(1), int64)
       case (2)
-         key = key_plane(coordinate(1), coordinate(3))
+         key = key_of(2, [coordinate(1), coordinate(3)])
       case default
-         key = key_space(coordinate(1), coordinate(2), coordinate(3))
+         key = key_of(3, coordinate)
       end select
    end function hilbert_key
 
@@ -50,131 +50,91 @@ contains
       case (1)
          coordinate(1) = int(key)
       case (2)
-         call point_plane(key, coordinate(1), coordinate(3))
+         coordinate(1:3:2) = point_of(2, key)
       case default
-         call point_space(key, coordinate(1), coordinate(2), coordinate(3))
+         coordinate = point_of(3, key)
       end select
    end function hilbert_coordinate
 
-   !> Key in two dimensions.
-   pure integer(int64) function key_plane(x, z) result(key)
-      integer, intent(in) :: x, z                    !! Position of the tile
-      integer :: a, b, level, gray
+   !> Key in two or three dimensions.
+   pure integer(int64) function key_of(dimensions, place) result(key)
+      integer, intent(in) :: dimensions              !! 2 or 3
+      integer, intent(in) :: place(dimensions)       !! Position of the tile
+      integer :: a(3), level, gray, k
 
-      level = levels_used(ior(x, z))
-      if (mod(curve_bits - level, 2) == 0) then
-         a = x
-         b = z
-      else
-         a = z
-         b = x
-      end if
+      level = levels_used(dimensions, place)
+      do k = 1, dimensions
+         a(k) = place(k)
+      end do
+      call move_round(dimensions, (dimensions - 1)*(curve_bits - level), a)
       do level = level - 1, 1, -1
-         call turn_self(a, level)
-         call turn(a, b, level)
+         call turn_self(a(1), level)
+         do k = 2, dimensions
+            call turn(a(1), a(k), level)
+         end do
       end do
-      b = ieor(b, a)
-      gray = parity_above(b)
-      key = ior(shiftl(spread_second(ieor(a, gray)), 1), spread_second(ieor(b, gray)))
-   end function key_plane
-
-   !> Key in three dimensions.
-   pure integer(int64) function key_space(x, y, z) result(key)
-      integer, intent(in) :: x, y, z                 !! Position of the tile
-      integer :: a, b, c, level, gray
-
-      level = levels_used(ior(ior(x, y), z))
-      a = x
-      b = y
-      c = z
-      call move_round(a, b, c, mod(2*(curve_bits - level), 3))
-      do level = level - 1, 1, -1
-         call turn_self(a, level)
-         call turn(a, b, level)
-         call turn(a, c, level)
+      do k = 2, dimensions
+         a(k) = ieor(a(k), a(k - 1))
       end do
-      b = ieor(b, a)
-      c = ieor(c, b)
-      gray = parity_above(c)
-      key = ior(ior(shiftl(spread_third(ieor(a, gray)), 2), &
-         shiftl(spread_third(ieor(b, gray)), 1)), spread_third(ieor(c, gray)))
-   end function key_space
+      gray = parity_above(a(dimensions))
+      key = 0
+      do k = 1, dimensions
+         key = ior(shiftl(key, 1), spread_bits(dimensions, ieor(a(k), gray)))
+      end do
+   end function key_of
 
-   !> Tile of a key in two dimensions.
-   pure subroutine point_plane(key, x, z)
+   !> Tile of a key in two or three dimensions.
+   pure function point_of(dimensions, key) result(place)
+      integer, intent(in) :: dimensions              !! 2 or 3
       integer(int64), intent(in) :: key              !! Position on the curve
-      integer, intent(out) :: x, z                   !! Position of the tile
-      integer :: a, b, level, used, gray
+      integer :: place(dimensions)                   !! Position of the tile
+      integer :: a(3), level, used, gray, k
 
-      a = gather_second(shiftr(key, 1))
-      b = gather_second(key)
-      gray = shiftr(b, 1)
-      b = ieor(b, a)
-      a = ieor(a, gray)
-      used = levels_used(ior(a, b))
-      do level = 1, used - 1
-         call turn(a, b, level)
-         call turn_self(a, level)
+      do k = 1, dimensions
+         a(k) = gather_bits(dimensions, shiftr(key, dimensions - k))
       end do
-      if (mod(curve_bits - used, 2) == 0) then
-         x = a
-         z = b
-      else
-         x = b
-         z = a
-      end if
-   end subroutine point_plane
-
-   !> Tile of a key in three dimensions.
-   pure subroutine point_space(key, x, y, z)
-      integer(int64), intent(in) :: key              !! Position on the curve
-      integer, intent(out) :: x, y, z                !! Position of the tile
-      integer :: level, used, gray
-
-      x = gather_third(shiftr(key, 2))
-      y = gather_third(shiftr(key, 1))
-      z = gather_third(key)
-      gray = shiftr(z, 1)
-      z = ieor(z, y)
-      y = ieor(y, x)
-      x = ieor(x, gray)
-      used = levels_used(ior(ior(x, y), z))
-      do level = 1, used - 1
-         call turn(x, z, level)
-         call turn(x, y, level)
-         call turn_self(x, level)
+      gray = shiftr(a(dimensions), 1)
+      do k = dimensions, 2, -1
+         a(k) = ieor(a(k), a(k - 1))
       end do
-      call move_round(x, y, z, mod(curve_bits - used, 3))
-   end subroutine point_space
+      a(1) = ieor(a(1), gray)
+      used = levels_used(dimensions, a)
+      do level = 1, used - 1
+         do k = dimensions, 2, -1
+            call turn(a(1), a(k), level)
+         end do
+         call turn_self(a(1), level)
+      end do
+      call move_round(dimensions, curve_bits - used, a)
+      do k = 1, dimensions
+         place(k) = a(k)
+      end do
+   end function point_of
 
    !> Number of levels that do more than exchange directions: the lowest level, which changes
    !! nothing, counts as one of them.
-   pure integer function levels_used(bits) result(levels)
-      integer, intent(in) :: bits                    !! All bits that occur in the coordinates
+   pure integer function levels_used(dimensions, place) result(levels)
+      integer, intent(in) :: dimensions              !! 2 or 3
+      integer, intent(in) :: place(dimensions)       !! Coordinates in bits
 
-      levels = max(bit_size(bits) - leadz(bits), 1)
+      levels = ior(place(1), place(2))
+      if (dimensions == 3) levels = ior(levels, place(3))
+      levels = max(bit_size(levels) - leadz(levels), 1)
    end function levels_used
 
-   !> Rotate three numbers to the left.
-   pure subroutine move_round(a, b, c, shift)
-      integer, intent(inout) :: a, b, c              !! Coordinates in bits
-      integer, intent(in) :: shift                   !! 0 to 2
-      integer :: first, last
+   !> Move the coordinates to the directions before, in turn.
+   pure subroutine move_round(dimensions, steps, a)
+      integer, intent(in) :: dimensions              !! 2 or 3
+      integer, intent(in) :: steps                   !! Number of moves
+      integer, intent(inout) :: a(dimensions)        !! Coordinates in bits
+      integer :: first, step
 
-      first = a
-      last = c
-      select case (shift)
-      case (1)
-         a = b
-         b = last
-         c = first
-      case (2)
-         a = last
-         c = b
-         b = first
-      case default
-         return
-      end select
+      do step = 1, mod(steps, dimensions)
+         first = a(1)
+         a(1) = a(2)
+         if (dimensions == 3) a(2) = a(3)
+         a(dimensions) = first
+      end do
    end subroutine move_round
 
    !> Skilling's step for the first direction: if its bit at the level is set, reverse it below.
@@ -213,55 +173,31 @@ contains
       parity = ieor(parity, shiftr(parity, 16))
    end function parity_above
 
-   !> Bits moved to every second bit.
-   pure integer(int64) function spread_second(bits) result(spaced)
+   !> Bits moved to every second or third bit.
+   pure integer(int64) function spread_bits(dimensions, bits) result(spaced)
+      integer, intent(in) :: dimensions              !! 2 or 3
       integer, intent(in) :: bits                    !! 21 bits
+      integer :: k
 
       spaced = int(bits, int64)
-      spaced = iand(ior(spaced, shiftl(spaced, 16)), second(1))
-      spaced = iand(ior(spaced, shiftl(spaced, 8)), second(2))
-      spaced = iand(ior(spaced, shiftl(spaced, 4)), second(3))
-      spaced = iand(ior(spaced, shiftl(spaced, 2)), second(4))
-      spaced = iand(ior(spaced, shiftl(spaced, 1)), second(5))
-   end function spread_second
+      do k = 1, 5
+         spaced = iand(ior(spaced, shiftl(spaced, (dimensions - 1)*2**(5 - k))), &
+            masks(k, dimensions))
+      end do
+   end function spread_bits
 
-   !> Bits moved to every third bit.
-   pure integer(int64) function spread_third(bits) result(spaced)
-      integer, intent(in) :: bits                    !! 21 bits
-
-      spaced = int(bits, int64)
-      spaced = iand(ior(spaced, shiftl(spaced, 32)), third(1))
-      spaced = iand(ior(spaced, shiftl(spaced, 16)), third(2))
-      spaced = iand(ior(spaced, shiftl(spaced, 8)), third(3))
-      spaced = iand(ior(spaced, shiftl(spaced, 4)), third(4))
-      spaced = iand(ior(spaced, shiftl(spaced, 2)), third(5))
-   end function spread_third
-
-   !> Collect every second bit, starting with the lowest, in the low bits of an integer.
-   pure integer function gather_second(spaced) result(bits)
+   !> Every second or third bit, from the lowest on, moved together.
+   pure integer function gather_bits(dimensions, spaced) result(bits)
+      integer, intent(in) :: dimensions              !! 2 or 3
       integer(int64), intent(in) :: spaced           !! Bits in between are ignored
       integer(int64) :: packed
+      integer :: k
 
-      packed = iand(spaced, second(5))
-      packed = iand(ior(packed, shiftr(packed, 1)), second(4))
-      packed = iand(ior(packed, shiftr(packed, 2)), second(3))
-      packed = iand(ior(packed, shiftr(packed, 4)), second(2))
-      packed = iand(ior(packed, shiftr(packed, 8)), second(1))
-      packed = iand(ior(packed, shiftr(packed, 16)), all_bits)
+      packed = iand(spaced, masks(5, dimensions))
+      do k = 4, 0, -1
+         packed = iand(ior(packed, shiftr(packed, (dimensions - 1)*2**(4 - k))), &
+            masks(k, dimensions))
+      end do
       bits = int(packed)
-   end function gather_second
-
-   !> Every third bit, from the lowest on, moved together.
-   pure integer function gather_third(spaced) result(bits)
-      integer(int64), intent(in) :: spaced           !! Bits in between are ignored
-      integer(int64) :: packed
-
-      packed = iand(spaced, third(5))
-      packed = iand(ior(packed, shiftr(packed, 2)), third(4))
-      packed = iand(ior(packed, shiftr(packed, 4)), third(3))
-      packed = iand(ior(packed, shiftr(packed, 8)), third(2))
-      packed = iand(ior(packed, shiftr(packed, 16)), third(1))
-      packed = iand(ior(packed, shiftr(packed, 32)), all_bits)
-      bits = int(packed)
-   end function gather_third
+   end function gather_bits
 end module mesh_hilbert

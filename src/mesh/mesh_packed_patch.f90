@@ -10,7 +10,7 @@ module mesh_packed_patch
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
    use mesh_node_boxes, only: node_boxes_t
-   use mesh_packed_sums, only: add_box, add_plane, add_rows
+   use mesh_packed_sums, only: add_box, add_plane
    use mesh_patch, only: clear_patch, extent_of
    use mesh_tiles, only: neighbors, tiles_t
    implicit none
@@ -264,7 +264,8 @@ contains
 
    !> Sum the packed patches that touch the nodes of one tile, its margin included, in the order of
    !! the neighbours. Where some rows are missing and most nodes are touched, sums of the kept rows
-   !! are found first, because lines of them are added as vectors.
+   !! are found first, because lines of them are added as vectors; so they are in three dimensions,
+   !! where no field of a step lacks rows.
    pure subroutine packed_assemble(self, grid, tiles, boxes, tile, total)
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -274,8 +275,8 @@ contains
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
 
       call clear_patch(total)
-      if (size(self%row) < size(total, 1) .and. &
-         2*(boxes%before(tile + 1) - boxes%before(tile)) > size(total, 2)) then
+      if (size(self%row) < size(total, 1) .and. (grid%dimensions == 3 .or. &
+         2*(boxes%before(tile + 1) - boxes%before(tile)) > size(total, 2))) then
          call assemble_kept(self, grid, tiles, boxes, tile, total)
       else
          call sum_neighbours(self, grid, tiles, boxes, tile, total)
@@ -394,7 +395,7 @@ contains
       if (.not. grid%active(direction)) corners = 0
    end function lower_corners
 
-   !> The same in three dimensions.
+   !> The same in three dimensions; the sums have the rows that are kept.
    pure subroutine sum_space(self, grid, tiles, boxes, tile, total)
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -429,12 +430,8 @@ contains
          if (apart) cycle
          associate (packed => self%values(int(rows, int64)*boxes%before(other) + 1: &
             int(rows, int64)*boxes%before(other + 1)))
-            if (rows == size(total, 1)) then
-               call add_box(rows, low, high, margin, grid%stride, first, last, packed, &
-                  size(total), total)
-            else
-               call add_rows(self%row, low, high, margin, grid%stride, first, last, packed, total)
-            end if
+            call add_box(rows, low, high, margin, grid%stride, first, last, packed, size(total), &
+               total)
          end associate
       end do
    end subroutine sum_space

@@ -5,7 +5,7 @@ module mesh_packed_sums
    implicit none
    private
 
-   public :: add_box, add_plane, add_rows
+   public :: add_box, add_plane
 
 contains
 
@@ -69,34 +69,6 @@ contains
       sums = sums + packed
    end subroutine add_line
 
-   !> The same where only some rows are kept.
-   ! gate: long kernel because a box in a box needs its corners and lengths
-   pure subroutine add_rows(row, low, high, margin, stride, corner, length, packed, total)
-      integer, contiguous, intent(in) :: row(:)      !! Rows that are kept
-      integer, intent(in) :: low(3), high(3)         !! Lowest and highest node that both have
-      integer, intent(in) :: margin(3)               !! Layers before node 0
-      integer, intent(in) :: stride(3)               !! Steps in the node index of the sums
-      integer, intent(in) :: corner(3)               !! Lowest node of the packed patch
-      integer, intent(in) :: length(3) !! Nodes of the packed patch along each direction
-      real(wp), contiguous, intent(in) :: packed(:)   !! (row kept, node) Flat
-      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
-      integer :: k, y, z, node, last, there
-
-      do z = low(3), high(3)
-         do y = low(2), high(2)
-            last = 1 + (high(1) + margin(1))*stride(1) + (y + margin(2))*stride(2) &
-               + (z + margin(3))*stride(3)
-            there = size(row)*(low(1) - corner(1) + length(1)*(y - corner(2) &
-               + length(2)*(z - corner(3))))
-            do node = last - (high(1) - low(1)), last
-               do k = 1, size(row)
-                  total(row(k), node) = total(row(k), node) + packed(there + k)
-               end do
-               there = there + size(row)
-            end do
-         end do
-      end do
-   end subroutine add_rows
    !> Add a box of nodes in the plane of x and z to sums of all rows, or of the kept ones alone.
    ! gate: long kernel because a box in a box needs its corners and lengths
    pure subroutine add_plane(row, nodes, lines, here, stride, there, length, packed, total)

@@ -12,14 +12,13 @@ module basis_cpdi
    use mesh_grid, only: grid_t, lanes
    use particle_store, only: store_t, traits_t
    use transfer_basis, only: basis_t
-   use transfer_cpdi_kernels, only: gather_corner_gradient, gather_corner_values, &
-      scatter_corner_stress, scatter_corner_values
    use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
    public :: basis_cpdi_t
 
+   integer, parameter :: lines = lanes/2             !! Lines along x of a cell
    real(wp), parameter :: most = 1.0_wp              !! Greatest half domain [cells]
    real(wp), parameter :: least = 1.0e-6_wp          !! Least half domain [cells]
    real(wp), parameter :: flat = 1.0e-3_wp           !! Least volume of a domain in that of its box
@@ -186,23 +185,6 @@ contains
       end do
    end subroutine corner_functions
 
-   !> Position of a corner relative to its particle [cells].
-   pure function corner_offset(grid, shape, p, corner) result(way)
-      type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape
-      integer, intent(in) :: p                               !! Index of the particle
-      integer, intent(in) :: corner                          !! Index of the corner
-      real(wp) :: way(3)
-      integer :: a, k
-
-      way = 0.0_wp
-      do a = 1, 3
-         do k = 1, 3
-            way(k) = way(k) + grid%lane_slope(corner, a)*shape%corner%edge(k + 3*(a - 1), p)
-         end do
-      end do
-   end function corner_offset
-
    !> Position of a node of the cell of a corner relative to the particle; zero along a missing
    !! direction [cells].
    pure function node_way(grid, shape, p, corner, lane) result(way)
@@ -212,9 +194,13 @@ contains
       integer, intent(in) :: corner                          !! Index of the corner
       integer, intent(in) :: lane                            !! Lane of the node
       real(wp) :: way(3)
+      integer :: k
 
-      way = corner_offset(grid, shape, p, corner) + (1.0_wp - grid%lane_constant(lane, :) &
-         - shape%corner%local(corner, :, p))
+      way = 0.0_wp
+      do k = 1, 3
+         way = way + grid%lane_slope(corner, k)*shape%corner%edge(3*k - 2:3*k, p)
+      end do
+      way = way + (1.0_wp - grid%lane_constant(lane, :) - shape%corner%local(corner, :, p))
       where (.not. grid%active) way = 0.0_wp
    end function node_way
 
@@ -227,10 +213,67 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: weight(lines), lower(count), upper(count), x, share
+      integer :: p, c, m, at, n, corners
 
-      call scatter_corner_values(grid, shape, count, values, before, size(patch, 1), &
-         size(patch, 2), patch)
+      corners = 2**grid%dimensions
+      share = 1.0_wp/real(corners, wp)
+      do p = 1, shape%count
+         do c = 1, corners
+            x = shape%corner%local(c, 1, p)
+            call weigh_lines(grid, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
+            do n = 1, count
+               lower(n) = (1.0_wp - x)*(values(p, n)*share)
+               upper(n) = x*(values(p, n)*share)
+            end do
+            do m = 1, corners/2
+               at = before + size(patch, 1)*(shape%corner%node(c, p) - 1 &
+                  + grid%lane_offset(2*m - 1))
+               call add_line(count, weight(m), lower, upper, at, size(patch, 1), size(patch), patch)
+            end do
+         end do
+      end do
    end subroutine cpdi_scatter_values
+
+   !> Functions of the lines along x of a cell at a corner.
+   pure subroutine weigh_lines(grid, y, z, weight)
+      type(grid_t), intent(in) :: grid
+      real(wp), intent(in) :: y, z                           !! Coordinates of the corner [1]
+      real(wp), intent(out) :: weight(lines)                 !! (line)
+      integer :: m
+
+      !$omp simd
+      do m = 1, lines
+         weight(m) = (grid%lane_constant(2*m, 2) + grid%lane_slope(2*m, 2)*y) &
+            *(grid%lane_constant(2*m, 3) + grid%lane_slope(2*m, 3)*z)
+      end do
+   end subroutine weigh_lines
+
+   !> Add columns to the two nodes of a line. The patch is a one-dimensional array.
+   pure subroutine add_line(count, weight, lower, upper, at, rows, numbers, patch)
+      integer, intent(in) :: count                           !! Number of columns
+      real(wp), intent(in) :: weight                         !! Function of the line
+      real(wp), intent(in) :: lower(count), upper(count)     !! (column) For its two nodes
+      integer, intent(in) :: at                              !! Index offset in the patch
+      integer, intent(in) :: rows                            !! Columns of the patch
+      integer, intent(in) :: numbers                         !! Numbers of the patch
+      real(wp), intent(inout) :: patch(numbers)              !! (column, node), flat
+      integer :: n
+
+      ! a compile-time constant makes the columns one vector
+      if (count == 4) then
+         !$omp simd
+         do n = 1, 4
+            patch(at + n) = patch(at + n) + weight*lower(n)
+            patch(at + rows + n) = patch(at + rows + n) + weight*upper(n)
+         end do
+      else
+         do n = 1, count
+            patch(at + n) = patch(at + n) + weight*lower(n)
+            patch(at + rows + n) = patch(at + rows + n) + weight*upper(n)
+         end do
+      end if
+   end subroutine add_line
 
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
    !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
@@ -275,9 +318,37 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer, parameter :: symmetric(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+      real(wp) :: weight(lines), along(3, 3), force(3), lower(3), upper(3), x, v
+      integer :: p, q, c, m, at, k, l, corners
 
-      call scatter_corner_stress(grid, shape, first, volume, stress, size(patch, 1), &
-         size(patch, 2), patch)
+      corners = 2**grid%dimensions
+      do p = 1, shape%count
+         q = first + p - 1
+         v = -volume(q)/(grid%spacing*real(corners, wp))
+         ! the stress in the basis of the edges
+         do l = 1, 3
+            do k = 1, 3
+               along(k, l) = v*(stress(q, symmetric(k, 1))*shape%corner%inverse(l, p) &
+                  + stress(q, symmetric(k, 2))*shape%corner%inverse(l + 3, p) &
+                  + stress(q, symmetric(k, 3))*shape%corner%inverse(l + 6, p))
+            end do
+         end do
+         do c = 1, corners
+            do k = 1, 3
+               force(k) = grid%lane_slope(c, 1)*along(k, 1) + grid%lane_slope(c, 2)*along(k, 2) &
+                  + grid%lane_slope(c, 3)*along(k, 3)
+            end do
+            x = shape%corner%local(c, 1, p)
+            call weigh_lines(grid, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
+            lower = (1.0_wp - x)*force
+            upper = x*force
+            do m = 1, corners/2
+               at = size(patch, 1)*(shape%corner%node(c, p) + grid%lane_offset(2*m - 1) - 1) + 4
+               call add_line(3, weight(m), lower, upper, at, size(patch, 1), size(patch), patch)
+            end do
+         end do
+      end do
    end subroutine cpdi_scatter_stress
 
    !> Values sum S_i node_i, three columns at a time.
@@ -291,16 +362,66 @@ contains
       integer :: skip, count
 
       if (size(nodes, 1) == 3) then
-         call gather_corner_values(grid, shape, size(nodes, 2), nodes, 0, values)
+         call gather_vector(grid, shape, nodes, 0, values)
          return
       end if
       part = 0.0_wp
       do skip = 0, size(nodes, 1) - 1, 3
          count = min(size(nodes, 1) - skip, 3)
          part(:count, :) = nodes(skip + 1:skip + count, :)
-         call gather_corner_values(grid, shape, size(nodes, 2), part, skip, values)
+         call gather_vector(grid, shape, part, skip, values)
       end do
    end subroutine cpdi_gather_values
+
+   !> Values of three columns.
+   pure subroutine gather_vector(grid, shape, nodes, skip, values)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
+      integer, intent(in) :: skip                            !! Column offset in the values
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+      real(wp) :: value(3), total(3), share
+      integer :: p, c
+
+      share = 1.0_wp/real(2**grid%dimensions, wp)
+      do p = 1, shape%count
+         total = 0.0_wp
+         do c = 1, 2**grid%dimensions
+            call find_value(grid, shape, p, c, size(nodes), nodes, value)
+            total = total + value
+         end do
+         values(p, skip + 1:skip + 3) = share*total
+      end do
+   end subroutine gather_vector
+
+   !> Vector at a corner. The components and nodes of a line along x are the lanes, and the node
+   !! field is a one-dimensional array.
+   pure subroutine find_value(grid, shape, p, corner, numbers, nodes, value)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: p                               !! Index of the particle
+      integer, intent(in) :: corner                          !! Index of the corner
+      integer, intent(in) :: numbers                         !! Numbers of the node field
+      real(wp), intent(in) :: nodes(numbers)                 !! (component, node), flat
+      real(wp), intent(out) :: value(3)                      !! Value of the field
+      real(wp) :: weight(lines), sums(6), x
+      integer :: m, n, at
+
+      x = shape%corner%local(corner, 1, p)
+      call weigh_lines(grid, shape%corner%local(corner, 2, p), shape%corner%local(corner, 3, p), &
+         weight)
+      sums = 0.0_wp
+      do m = 1, 2**(grid%dimensions - 1)
+         at = 3*(shape%corner%node(corner, p) + grid%lane_offset(2*m - 1) - 1)
+         !$omp simd
+         do n = 1, 6
+            sums(n) = sums(n) + weight(m)*nodes(at + n)
+         end do
+      end do
+      do n = 1, 3
+         value(n) = (1.0_wp - x)*sums(n) + x*sums(n + 3)
+      end do
+   end subroutine find_value
 
    !> Scaled velocity gradient: mean differences along the edges, times the inverse of the edges.
    pure subroutine cpdi_gather_gradient(self, grid, shape, nodes, scale, gradient)
@@ -310,8 +431,28 @@ contains
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+      real(wp) :: value(3), along(3, 3), factor
+      integer :: p, c, k, l
 
-      call gather_corner_gradient(grid, shape, size(nodes, 2), nodes, scale, gradient)
+      factor = scale/(grid%spacing*real(2**grid%dimensions, wp))
+      do p = 1, shape%count
+         along = 0.0_wp
+         do c = 1, 2**grid%dimensions
+            call find_value(grid, shape, p, c, size(nodes), nodes, value)
+            do l = 1, 3
+               do k = 1, 3
+                  along(k, l) = along(k, l) + grid%lane_slope(c, l)*value(k)
+               end do
+            end do
+         end do
+         do l = 1, 3
+            do k = 1, 3
+               gradient(p, k + 3*(l - 1)) = factor*(along(k, 1)*shape%corner%inverse(3*l - 2, p) &
+                  + along(k, 2)*shape%corner%inverse(3*l - 1, p) &
+                  + along(k, 3)*shape%corner%inverse(3*l, p))
+            end do
+         end do
+      end do
    end subroutine cpdi_gather_gradient
 
    !> Linear velocity field: sum S_i u_i (x_i - x) times the inverse of the second moments, which

@@ -10,13 +10,12 @@ module basis_linear
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
    use transfer_basis, only: basis_t
-   use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values, &
-      gather_vector
+   use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values
    use transfer_hoop, only: gather_factored_hoop
    use transfer_scatter, only: scatter_values
-   use transfer_scatter_affine, only: space_affine, space_turning
-   use transfer_scatter_plane, only: plane_affine, plane_force, plane_motion, plane_turning
-   use transfer_scatter_space, only: space_force, space_motion
+   use transfer_scatter_affine, only: scatter_affine, scatter_turning
+   use transfer_scatter_plane, only: plane_force
+   use transfer_scatter_space, only: space_force
    use transfer_shape_data, only: shape_data_t
    implicit none
    private
@@ -32,10 +31,8 @@ module basis_linear
       procedure :: scatter_stress => linear_scatter_stress
       procedure :: gather_values => linear_gather_values
       procedure :: gather_gradient => linear_gather_gradient
-      procedure :: scatter_motion => linear_scatter_motion
       procedure :: scatter_turning => linear_scatter_turning
       procedure :: gather_motion => linear_gather_motion
-      procedure :: gather_vector => linear_gather_vector
       procedure :: gather_hoop => linear_gather_hoop
    end type basis_linear_t
 
@@ -66,23 +63,6 @@ contains
       call scatter_values(grid, shape%start, shape%local, count, values, before, patch)
    end subroutine linear_scatter_values
 
-   !> Add mass and momentum to columns 1 to 4 of a patch. Equation (M.1) of doc/theory/method.md.
-   pure subroutine linear_scatter_motion(self, grid, shape, first, mass, velocity, patch)
-      class(basis_linear_t), intent(in) :: self
-      type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(inout) :: shape
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-
-      if (grid%dimensions == 3) then
-         call space_motion(grid, shape%start, first, shape%local, mass, velocity, patch)
-      else
-         call plane_motion(grid, shape%start, first, shape%local, mass, velocity, patch)
-      end if
-   end subroutine linear_scatter_motion
-
    !> Add mass and momentum of linear velocity fields, sum m S_i (v + C (x_i - x)), to columns 1 to
    !! 4 of a patch (C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans. Graph. 34
    !! (2015) 51). Equation (T.3) of doc/theory/transfers.md.
@@ -96,11 +76,7 @@ contains
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      if (grid%dimensions == 3) then
-         call space_affine(grid, shape%start, first, shape%local, mass, velocity, affine, patch)
-      else
-         call plane_affine(grid, shape%start, first, shape%local, mass, velocity, affine, patch)
-      end if
+      call scatter_affine(grid, shape%start, first, shape%local, mass, velocity, affine, patch)
    end subroutine linear_scatter_affine
 
    !> Add mass and momentum of rotating particles, sum m S_i (v + w x (x_i - x)), to columns 1 to 4
@@ -115,11 +91,7 @@ contains
       real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      if (grid%dimensions == 3) then
-         call space_turning(grid, shape%start, first, shape%local, mass, velocity, spin, patch)
-      else
-         call plane_turning(grid, shape%start, first, shape%local, mass, velocity, spin, patch)
-      end if
+      call scatter_turning(grid, shape%start, first, shape%local, mass, velocity, spin, patch)
    end subroutine linear_scatter_turning
 
    !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
@@ -181,20 +153,6 @@ contains
       call gather_motion(grid, shape%start, first, shape%local, increment, advection, &
          flip_fraction, dt, velocity, position)
    end subroutine linear_gather_motion
-
-   !> Particle vectors from node vectors.
-   pure subroutine linear_gather_vector(self, grid, shape, first, nodes, kept, scale, values)
-      class(basis_linear_t), intent(in) :: self
-      type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(inout) :: shape
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
-      real(wp), intent(in) :: kept                           !! Fraction of the old values [1]
-      real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
-      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
-
-      call gather_vector(grid, shape%start, first, shape%local, nodes, kept, scale, values)
-   end subroutine linear_gather_vector
 
    !> Hoop rate into component (2, 2) of the gradient, with factors where sums are normalised.
    pure subroutine linear_gather_hoop(self, grid, shape, first, position, nodes, scale, gradient)

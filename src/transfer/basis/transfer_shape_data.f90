@@ -21,6 +21,7 @@ module transfer_shape_data
    !> Functions with extended support, by direction.
    type :: spline_data_t
       integer :: reach = line                        !! Nodes along a line, from the first one on
+      integer :: after = 0 !! Layers along z that a particle touches after the first one
       integer, allocatable :: node(:)                !! (particle) First node, in the tile
       !> (particle, node, direction) Functions of the nodes from the first one on along a line
       real(wp), allocatable :: weight(:, :, :)
@@ -39,7 +40,7 @@ module transfer_shape_data
 
    !> Means of the dual gradient over sub-points, indices as of spline_data_t.
    type :: mean_data_t
-      real(wp), allocatable :: value(:, :, :)        !! Functions of the nodes
+      type(spline_data_t) :: spline                  !! Functions of the nodes
       real(wp), allocatable :: cell_slope(:, :, :)   !! alpha times derivative [1/m]
       real(wp), allocatable :: node_value(:, :, :)   !! (1 - alpha) times function
    contains
@@ -145,6 +146,7 @@ contains
       integer :: cell, p, node
 
       self%reach = line
+      self%after = merge(line - 1, 0, grid%active(3))
       do cell = 0, grid%tile_cells - 1
          node = grid%first_node(cell) - sum(grid%stride)
          do p = start(cell) + 1, start(cell + 1)
@@ -181,12 +183,13 @@ contains
       integer, intent(in) :: particles               !! Most particles in a tile
       integer :: n
 
-      if (allocated(self%value)) then
-         if (size(self%value, 1) >= particles) return
-         deallocate (self%value, self%cell_slope, self%node_value)
+      call self%spline%reserve(particles)
+      if (allocated(self%cell_slope)) then
+         if (size(self%cell_slope, 1) >= particles) return
+         deallocate (self%cell_slope, self%node_value)
       end if
       n = column_length(particles)
-      allocate (self%value(n, line, 3), self%cell_slope(n, line, 3), self%node_value(n, line, 3))
+      allocate (self%cell_slope(n, line, 3), self%node_value(n, line, 3))
    end subroutine mean_reserve
 
    !> Reserve memory for the corners of particles. Previous values are lost.

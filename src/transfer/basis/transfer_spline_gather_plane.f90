@@ -8,7 +8,7 @@
 module transfer_spline_gather_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use transfer_shape_data, only: line, shape_data_t
+   use transfer_shape_data, only: line, shape_data_t, spline_data_t
    implicit none
    private
 
@@ -17,21 +17,21 @@ module transfer_spline_gather_plane
 contains
 
    !> Values sum S_i node_i of any number of columns.
-   pure subroutine gather_plane_values(grid, shape, nodes, values)
+   pure subroutine gather_plane_values(grid, start, spline, nodes, values)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      type(spline_data_t), intent(in) :: spline
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: block(line, line)
       integer :: cell, c
 
       do cell = 0, grid%tile_cells - 1
-         if (shape%start(cell + 1) == shape%start(cell)) cycle
+         if (start(cell + 1) == start(cell)) cycle
          do c = 1, size(nodes, 1)
             call load_block(grid, cell, c, 1.0_wp, nodes, block)
-            call add_values(shape%start(cell) + 1, shape%start(cell + 1), &
-               size(shape%spline%weight, 1), shape%spline%weight(:, :, 1), &
-               shape%spline%weight(:, :, 3), block, values(:, c))
+            call add_values(start(cell) + 1, start(cell + 1), size(spline%weight, 1), &
+               spline%weight(:, :, 1), spline%weight(:, :, 3), block, values(:, c))
          end do
       end do
    end subroutine gather_plane_values

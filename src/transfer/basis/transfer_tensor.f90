@@ -6,13 +6,12 @@ module transfer_tensor
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_basis, only: basis_gather_motion, basis_scatter_motion, basis_t
+   use transfer_basis, only: basis_t
    use transfer_shape_data, only: line, shape_data_t, spline_data_t
-   use transfer_spline_gather, only: gather_spline_gradient, gather_spline_motion, &
-      gather_spline_values
-   use transfer_spline_gather_plane, only: gather_plane_gradient, gather_plane_values
-   use transfer_spline_kernels, only: scatter_spline_affine, scatter_spline_motion, &
-      scatter_spline_stress, scatter_spline_values
+   use transfer_spline_gather, only: gather_spline_gradient, gather_spline_values
+   use transfer_spline_gather_plane, only: gather_plane_gradient
+   use transfer_spline_kernels, only: scatter_spline_affine, scatter_spline_stress, &
+      scatter_spline_values
    implicit none
    private
 
@@ -26,12 +25,10 @@ module transfer_tensor
       procedure :: locate => tensor_locate           !! Local coordinates and functions
       procedure(find_overhang_i), deferred :: find_overhang !! How far functions reach
       procedure(weigh_i), deferred :: weigh          !! Functions along a direction
-      procedure :: scatter_motion => tensor_scatter_motion !! Mass and momentum
       procedure :: scatter_values => tensor_scatter_values !! Values to nodes
       procedure :: scatter_affine => tensor_scatter_affine !! Mass and a linear velocity field
       procedure :: scatter_stress => tensor_scatter_stress !! Force of the stress
       procedure :: gather_values => tensor_gather_values !! Node values to particles
-      procedure :: gather_motion => tensor_gather_motion !! Velocity and position
       procedure :: gather_gradient => tensor_gather_gradient !! Gradients of the values
       procedure :: gather_affine => tensor_gather_affine !! Linear velocity field
    end type basis_tensor_t
@@ -96,6 +93,7 @@ contains
       call shape%take_tile(grid, store, tile)
       call shape%spline%reserve(store%count(tile))
       call shape%spline%take_cells(grid, shape%start)
+      shape%spline%after = merge(self%reach() - 1, 0, grid%active(3))
       do direction = 1, 3
          if (.not. grid%active(direction)) then
             shape%spline%weight(:, :, direction) = 0.0_wp
@@ -192,31 +190,6 @@ contains
       f(out) = 0.0_wp
    end subroutine fold
 
-   !> Layers of lines that a particle touches after the first one.
-   pure integer function layers_after(self, grid) result(layers)
-      class(basis_tensor_t), intent(in) :: self
-      type(grid_t), intent(in) :: grid
-
-      layers = merge(self%reach() - 1, 0, grid%active(3))
-   end function layers_after
-
-   !> Add mass and momentum to columns 1 to 4 of a patch.
-   pure subroutine tensor_scatter_motion(self, grid, shape, first, mass, velocity, patch)
-      class(basis_tensor_t), intent(in) :: self
-      type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(inout) :: shape
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-
-      if (grid%active(2)) then
-         call scatter_spline_motion(grid, shape, first, mass, velocity, patch)
-      else
-         call basis_scatter_motion(self, grid, shape, first, mass, velocity, patch)
-      end if
-   end subroutine tensor_scatter_motion
-
    !> Add sum S_i value to columns of a patch.
    pure subroutine tensor_scatter_values(self, grid, shape, count, values, before, patch)
       class(basis_tensor_t), intent(in) :: self
@@ -227,8 +200,7 @@ contains
       integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call scatter_spline_values(grid, layers_after(self, grid), shape, count, values, before, &
-         patch)
+      call scatter_spline_values(grid, shape%count, shape%spline, count, values, before, patch)
    end subroutine tensor_scatter_values
 
    !> Add mass and momentum of linear velocity fields.
@@ -242,8 +214,7 @@ contains
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call scatter_spline_affine(grid, layers_after(self, grid), shape, first, mass, velocity, &
-         affine, patch)
+      call scatter_spline_affine(grid, shape, first, mass, velocity, affine, patch)
    end subroutine tensor_scatter_affine
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
@@ -256,8 +227,7 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call scatter_spline_stress(grid, layers_after(self, grid), shape, first, volume, stress, &
-         patch)
+      call scatter_spline_stress(grid, shape%count, shape%spline, first, volume, stress, patch)
    end subroutine tensor_scatter_stress
 
    !> Values sum S_i node_i.
@@ -268,36 +238,8 @@ contains
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
 
-      if (grid%dimensions < 3) then
-         call gather_plane_values(grid, shape, nodes, values)
-      else
-         call gather_spline_values(grid, shape%count, shape%spline, nodes, 0, values)
-      end if
+      call gather_spline_values(grid, shape%start, shape%spline, nodes, values)
    end subroutine tensor_gather_values
-
-   !> Particle velocities and positions from node velocities.
-   ! gate: long kernel because it overrides one
-   pure subroutine tensor_gather_motion(self, grid, shape, first, increment, advection, &
-      flip_fraction, dt, velocity, position)
-      class(basis_tensor_t), intent(in) :: self
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape
-      real(wp), contiguous, intent(in) :: increment(:, :)    !! (3, node) [m/s]
-      real(wp), contiguous, intent(in) :: advection(:, :)    !! (3, node) [m/s]
-      real(wp), intent(in) :: flip_fraction                  !! Fraction of the old velocity [1]
-      real(wp), intent(in) :: dt                             !! Time step [s]
-      real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
-
-      if (grid%dimensions < 3) then
-         call basis_gather_motion(self, grid, shape, first, increment, advection, flip_fraction, &
-            dt, velocity, position)
-      else
-         call gather_spline_motion(grid, shape%count, shape%spline, first, increment, advection, &
-            flip_fraction, dt, velocity, position)
-      end if
-   end subroutine tensor_gather_motion
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
    pure subroutine tensor_gather_gradient(self, grid, shape, nodes, scale, gradient)

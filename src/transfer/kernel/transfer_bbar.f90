@@ -19,15 +19,6 @@ module transfer_bbar
 
 contains
 
-   !> Directions over which the dilatation is distributed: those of the plane in plane strain,
-   !! otherwise all active ones.
-   pure function sharing(grid) result(share)
-      type(grid_t), intent(in) :: grid
-      logical :: share(3)
-
-      share = grid%active .or. grid%axisymmetric
-   end function sharing
-
    !> Give the particles of each cell the mean of their dilatations.
    pure subroutine average_dilatation(grid, start, first, volume, gradient)
       type(grid_t), intent(in) :: grid
@@ -35,31 +26,8 @@ contains
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: total, whole, shift
-      logical :: share(3)
-      integer :: cell, p, k
 
-      share = sharing(grid)
-      do cell = 0, grid%tile_cells - 1
-         total = 0.0_wp
-         whole = 0.0_wp
-         do p = start(cell) + 1, start(cell + 1)
-            whole = whole + volume(first + p - 1)
-            do k = 1, 3
-               if (share(k)) total = total + volume(first + p - 1)*gradient(p, 4*k - 3)
-            end do
-         end do
-         do p = start(cell) + 1, start(cell + 1)
-            shift = total/whole
-            do k = 1, 3
-               if (share(k)) shift = shift - gradient(p, 4*k - 3)
-            end do
-            shift = shift/real(count(share), wp)
-            do k = 1, 3
-               if (share(k)) gradient(p, 4*k - 3) = gradient(p, 4*k - 3) + shift
-            end do
-         end do
-      end do
+      call average_trace(grid, start, first - 1, [1, 5, 9], volume, gradient)
    end subroutine average_dilatation
 
    !> Give the particles of each cell the mean of their pressures.
@@ -68,30 +36,43 @@ contains
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle of the tile) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)    !! (particle of the tile, 6) [Pa]
+
+      call average_trace(grid, start, 0, [1, 2, 3], volume, stress)
+   end subroutine average_pressure
+
+   !> Give the particles of each cell the mean of the traces of their tensors. A change is
+   !! distributed over the directions of the plane in plane strain, otherwise over all active ones.
+   pure subroutine average_trace(grid, start, before, column, volume, tensor)
+      type(grid_t), intent(in) :: grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: before                          !! Volumes before those of the tile
+      integer, intent(in) :: column(3)                       !! Columns of the diagonal
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(inout) :: tensor(:, :)    !! (particle of the tile, component)
       real(wp) :: total, whole, shift
       logical :: share(3)
       integer :: cell, p, k
 
-      share = sharing(grid)
+      share = grid%active .or. grid%axisymmetric
       do cell = 0, grid%tile_cells - 1
          total = 0.0_wp
          whole = 0.0_wp
          do p = start(cell) + 1, start(cell + 1)
-            whole = whole + volume(p)
+            whole = whole + volume(before + p)
             do k = 1, 3
-               if (share(k)) total = total + volume(p)*stress(p, k)
+               if (share(k)) total = total + volume(before + p)*tensor(p, column(k))
             end do
          end do
          do p = start(cell) + 1, start(cell + 1)
             shift = total/whole
             do k = 1, 3
-               if (share(k)) shift = shift - stress(p, k)
+               if (share(k)) shift = shift - tensor(p, column(k))
             end do
             shift = shift/real(count(share), wp)
             do k = 1, 3
-               if (share(k)) stress(p, k) = stress(p, k) + shift
+               if (share(k)) tensor(p, column(k)) = tensor(p, column(k)) + shift
             end do
          end do
       end do
-   end subroutine average_pressure
+   end subroutine average_trace
 end module transfer_bbar

@@ -9,7 +9,7 @@
 module transfer_edges
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
-   use transfer_gather_values, only: find_polynomial
+   use transfer_gather, only: find_polynomial
    implicit none
    private
 
@@ -80,13 +80,15 @@ contains
                call find_slope(grid, l, k, node, factor(edges*(l - 1) + 1:edges*l, cell), &
                   velocity, scale/grid%spacing, u)
                call find_polynomial(grid, cell, k + 3*(l - 1), scale, nodes, w)
+               ! a compile-time constant removes the terms that a plane lacks
                if (grid%dimensions == 3) then
-                  call blend_space(start(cell) + 1, start(cell + 1), u, w, local(:, one(l)), &
+                  call blend(.true., start(cell) + 1, start(cell + 1), u, w, local(:, one(l)), &
                      local(:, other(l)), local(:, 1), local(:, 2), local(:, 3), alpha(:, l), &
                      gradient(:, k + 3*(l - 1)))
                else
-                  call blend_plane(start(cell) + 1, start(cell + 1), u, w, local(:, one(l)), &
-                     local(:, 1), local(:, 3), alpha(:, l), gradient(:, k + 3*(l - 1)))
+                  call blend(.false., start(cell) + 1, start(cell + 1), u, w, local(:, one(l)), &
+                     local(:, other(l)), local(:, 1), local(:, 2), local(:, 3), alpha(:, l), &
+                     gradient(:, k + 3*(l - 1)))
                end if
             end do
          end do
@@ -151,31 +153,10 @@ contains
       u(4) = u(4) - u(2)
    end subroutine find_slope
 
-   !> Slopes at the particles of a cell, blended with values of a polynomial, in a plane.
+   !> Slopes at the particles of a cell, blended with values of a polynomial.
    ! gate: long kernel because columns and coefficients are arguments of their own
-   pure subroutine blend_plane(low, high, u, w, across, x, z, alpha, slopes)
-      integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last index
-      real(wp), intent(in) :: u(edges)                       !! (term) Coefficients of the slope
-      real(wp), intent(in) :: w(lanes) !! (term) Coefficients of the polynomial
-      real(wp), contiguous, intent(in) :: across(:)          !! (particle) Coordinate across
-      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Local coordinates [1]
-      real(wp), contiguous, intent(in) :: alpha(:)           !! (particle) Weight of the slope [1]
-      real(wp), contiguous, intent(inout) :: slopes(:)       !! (particle)
-      integer :: p, lane
-
-      do p = low, high, 4
-         !$omp simd
-         do lane = p, p + 3
-            slopes(lane) = alpha(lane)*(u(1) + u(2)*across(lane)) + (1.0_wp - alpha(lane)) &
-               *((w(1) + w(2)*x(lane)) + (w(3) + w(4)*x(lane))*z(lane))
-         end do
-      end do
-   end subroutine blend_plane
-
-   !> The same in three dimensions.
-   ! gate: long kernel because columns and coefficients are arguments of their own
-   pure subroutine blend_space(low, high, u, w, across, aside, x, y, z, alpha, slopes)
+   pure subroutine blend(space, low, high, u, w, across, aside, x, y, z, alpha, slopes)
+      logical, intent(in) :: space                           !! Three dimensions, or a plane?
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: u(edges)                       !! (term) Coefficients of the slope
@@ -184,16 +165,20 @@ contains
       real(wp), contiguous, intent(in) :: x(:), y(:), z(:)   !! (particle) Local coordinates [1]
       real(wp), contiguous, intent(in) :: alpha(:)           !! (particle) Weight of the slope [1]
       real(wp), contiguous, intent(inout) :: slopes(:)       !! (particle)
+      real(wp) :: slope, value
       integer :: p, lane
 
       do p = low, high, 4
-         !$omp simd
+         !$omp simd private(slope, value)
          do lane = p, p + 3
-            slopes(lane) = alpha(lane)*((u(1) + u(2)*across(lane)) &
-               + (u(3) + u(4)*across(lane))*aside(lane)) + (1.0_wp - alpha(lane)) &
-               *(((w(1) + w(2)*x(lane)) + (w(3) + w(4)*x(lane))*z(lane)) &
-               + ((w(5) + w(6)*x(lane)) + (w(7) + w(8)*x(lane))*z(lane))*y(lane))
+            slope = u(1) + u(2)*across(lane)
+            value = (w(1) + w(2)*x(lane)) + (w(3) + w(4)*x(lane))*z(lane)
+            if (space) then
+               slope = slope + (u(3) + u(4)*across(lane))*aside(lane)
+               value = value + ((w(5) + w(6)*x(lane)) + (w(7) + w(8)*x(lane))*z(lane))*y(lane)
+            end if
+            slopes(lane) = alpha(lane)*slope + (1.0_wp - alpha(lane))*value
          end do
       end do
-   end subroutine blend_space
+   end subroutine blend
 end module transfer_edges

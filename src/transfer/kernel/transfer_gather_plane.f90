@@ -4,7 +4,7 @@
 !! Vectors lie in the plane of x and z, or along x: components along y are zero and are not used.
 !! Between its nodes a field is a polynomial (u1 + u2 x) + (u3 + u4 x) z of the local coordinates;
 !! on a line u3 and u4 are zero. Four particles of a cell at a time are the lanes. Gradients are
-!! also computed for the lanes after the last particle of a cell, as in `transfer_gather_values`.
+!! also computed for the lanes after the last particle of a cell, as in `transfer_gather`.
 !! Velocity and position must not be, so the last particles of a cell move one by one: a vectorised
 !! loop of unknown length costs more than the work in it.
 module transfer_gather_plane

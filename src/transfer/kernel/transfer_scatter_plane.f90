@@ -16,34 +16,11 @@ module transfer_scatter_plane
    implicit none
    private
 
-   public :: plane_affine, plane_dual_force, plane_force, plane_motion, plane_turning, &
-      plane_values
+   public :: plane_dual_force, plane_force, plane_values
 
    integer, parameter :: corners = 4                 !! Lanes that carry weight
 
 contains
-
-   !> Add mass and momentum to columns 1 to 4 of a patch.
-   pure subroutine plane_motion(grid, start, first, local, mass, velocity, patch)
-      type(grid_t), intent(in) :: grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: momentum(start(grid%tile_cells), 3)
-      integer :: p, q, k
-
-      do k = 1, 3
-         do p = 1, start(grid%tile_cells)
-            q = first - 1 + p
-            momentum(p, k) = mass(q)*velocity(q, k)
-         end do
-      end do
-      call add_columns(grid, start, local, mass(first:), &
-         momentum(:, 1), momentum(:, 2), momentum(:, 3), 4, 0, patch)
-   end subroutine plane_motion
 
    !> Add sum S_i value to columns of a patch.
    pure subroutine plane_values(grid, start, local, count, values, before, patch)
@@ -54,143 +31,34 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      integer :: skip, at(4)
+      real(wp) :: a(corners, 3), b(corners, 3), weight(corners), sums(corners, 4)
+      integer :: skip, cell, p, n, at(4)
 
+      a = grid%lane_constant(:corners, :)
+      b = grid%lane_slope(:corners, :)
       do skip = 0, count - 1, 4
          ! missing columns repeat the last one, which is not added again
          at = min(skip + [1, 2, 3, 4], count)
-         call add_columns(grid, start, local, values(:, at(1)), values(:, at(2)), &
-            values(:, at(3)), values(:, at(4)), min(count - skip, 4), before + skip, patch)
+         do cell = 0, grid%tile_cells - 1
+            if (start(cell + 1) == start(cell)) cycle
+            sums = 0.0_wp
+            do p = start(cell) + 1, start(cell + 1)
+               !$omp simd
+               do n = 1, corners
+                  weight(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))
+               end do
+               !$omp simd
+               do n = 1, corners
+                  sums(n, 1) = sums(n, 1) + weight(n)*values(p, at(1))
+                  sums(n, 2) = sums(n, 2) + weight(n)*values(p, at(2))
+                  sums(n, 3) = sums(n, 3) + weight(n)*values(p, at(3))
+                  sums(n, 4) = sums(n, 4) + weight(n)*values(p, at(4))
+               end do
+            end do
+            call add_corners(grid, cell, min(count - skip, 4), before + skip, sums, patch)
+         end do
       end do
    end subroutine plane_values
-
-   !> Add sum S_i value of up to four columns to columns of a patch.
-   ! gate: long kernel because columns in registers are arrays of their own
-   pure subroutine add_columns(grid, start, local, c1, c2, c3, c4, number, &
-      before, patch)
-      type(grid_t), intent(in) :: grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
-      real(wp), contiguous, intent(in) :: c1(:)              !! (particle of the tile) First column
-      real(wp), contiguous, intent(in) :: c2(:)              !! Second one
-      real(wp), contiguous, intent(in) :: c3(:)              !! Third one
-      real(wp), contiguous, intent(in) :: c4(:)              !! Fourth one
-      integer, intent(in) :: number                          !! Number of particles that are added
-      integer, intent(in) :: before                          !! Column offset in the patch
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: a(corners, 3), b(corners, 3), weight(corners), sums(corners, 4)
-      integer :: cell, p, n
-
-      a = grid%lane_constant(:corners, :)
-      b = grid%lane_slope(:corners, :)
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         sums = 0.0_wp
-         do p = start(cell) + 1, start(cell + 1)
-            !$omp simd
-            do n = 1, corners
-               weight(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))
-            end do
-            !$omp simd
-            do n = 1, corners
-               sums(n, 1) = sums(n, 1) + weight(n)*c1(p)
-               sums(n, 2) = sums(n, 2) + weight(n)*c2(p)
-               sums(n, 3) = sums(n, 3) + weight(n)*c3(p)
-               sums(n, 4) = sums(n, 4) + weight(n)*c4(p)
-            end do
-         end do
-         call add_corners(grid, cell, number, before, sums, patch)
-      end do
-   end subroutine add_columns
-
-   !> Add mass and momentum of linear velocity fields to columns 1 to 4 of a patch.
-   pure subroutine plane_affine(grid, start, first, local, mass, velocity, affine, patch)
-      type(grid_t), intent(in) :: grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: velocity(:, :)             !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: a(corners, 3), b(corners, 3), sums(corners, 4), x(corners), z(corners)
-      real(wp) :: weight(corners), away_x(corners), away_z(corners), h
-      integer :: cell, p, q, n
-
-      a = grid%lane_constant(:corners, :)
-      b = grid%lane_slope(:corners, :)
-      ! the constant of a lane is 1 on the lower node, and the slope 0 without a direction
-      h = grid%spacing
-      x = h*b(:, 1)**2
-      z = h*b(:, 3)**2
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         sums = 0.0_wp
-         do p = start(cell) + 1, start(cell + 1)
-            q = first + p - 1
-            !$omp simd
-            do n = 1, corners
-               weight(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))*mass(q)
-               away_x(n) = x(n)*(1.0_wp - a(n, 1) - local(p, 1))
-               away_z(n) = z(n)*(1.0_wp - a(n, 3) - local(p, 3))
-            end do
-            !$omp simd
-            do n = 1, corners
-               sums(n, 1) = sums(n, 1) + weight(n)
-               sums(n, 2) = sums(n, 2) + weight(n)*(velocity(q, 1) + affine(q, 1)*away_x(n) &
-                  + affine(q, 7)*away_z(n))
-               sums(n, 3) = sums(n, 3) + weight(n)*(velocity(q, 2) + affine(q, 2)*away_x(n) &
-                  + affine(q, 8)*away_z(n))
-               sums(n, 4) = sums(n, 4) + weight(n)*(velocity(q, 3) + affine(q, 3)*away_x(n) &
-                  + affine(q, 9)*away_z(n))
-            end do
-         end do
-         call add_corners(grid, cell, 4, 0, sums, patch)
-      end do
-   end subroutine plane_affine
-
-   !> Add mass and momentum of rotating particles to columns 1 to 4 of a patch.
-   pure subroutine plane_turning(grid, start, first, local, mass, velocity, spin, patch)
-      type(grid_t), intent(in) :: grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: a(corners, 3), b(corners, 3), sums(corners, 4), x(corners), z(corners)
-      real(wp) :: weight(corners), away_x(corners), away_z(corners)
-      integer :: cell, p, q, n
-
-      a = grid%lane_constant(:corners, :)
-      b = grid%lane_slope(:corners, :)
-      ! the constant of a lane is 1 on the lower node, and the slope 0 without a direction
-      x = grid%spacing*b(:, 1)**2
-      z = grid%spacing*b(:, 3)**2
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         sums = 0.0_wp
-         do p = start(cell) + 1, start(cell + 1)
-            q = first + p - 1
-            !$omp simd
-            do n = 1, corners
-               weight(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))*mass(q)
-               away_x(n) = x(n)*(1.0_wp - a(n, 1) - local(p, 1))
-               away_z(n) = z(n)*(1.0_wp - a(n, 3) - local(p, 3))
-            end do
-            !$omp simd
-            do n = 1, corners
-               sums(n, 1) = sums(n, 1) + weight(n)
-               sums(n, 2) = sums(n, 2) + weight(n)*(velocity(q, 1) + spin(q, 2)*away_z(n))
-               sums(n, 3) = sums(n, 3) + weight(n)*(velocity(q, 2) + (spin(q, 3)*away_x(n) &
-                  - spin(q, 1)*away_z(n)))
-               sums(n, 4) = sums(n, 4) + weight(n)*(velocity(q, 3) - spin(q, 2)*away_x(n))
-            end do
-         end do
-         call add_corners(grid, cell, 4, 0, sums, patch)
-      end do
-   end subroutine plane_turning
 
    !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
    pure subroutine plane_force(grid, start, first, local, volume, stress, patch)

@@ -16,7 +16,7 @@ module transfer_scatter_space
    implicit none
    private
 
-   public :: space_dual_force, space_force, space_motion, space_values
+   public :: space_dual_force, space_force, space_values
 
    integer, parameter :: batch = 64                   !! Particles that are prepared at once
    integer, parameter :: block = 4                   !! Columns that are added at once
@@ -29,34 +29,6 @@ module transfer_scatter_space
    real(wp), parameter, public :: b2(edges) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
 
 contains
-
-   !> Add mass and momentum to columns 1 to 4 of a patch.
-   pure subroutine space_motion(grid, start, first, local, mass, velocity, patch)
-      type(grid_t), intent(in) :: grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: weight(batch, lanes), values(block, batch)
-      integer :: skipped, number, cell, p, q
-
-      cell = 0
-      do skipped = 0, start(grid%tile_cells) - 1, batch
-         call next_particles(grid%tile_cells, start, skipped, cell, number)
-         call weigh_lanes(skipped, number, size(local, 1), local, weight)
-         do p = 1, number
-            q = first - 1 + skipped + p
-            values(1, p) = mass(q)
-            values(2, p) = mass(q)*velocity(q, 1)
-            values(3, p) = mass(q)*velocity(q, 2)
-            values(4, p) = mass(q)*velocity(q, 3)
-         end do
-         call add_weighted(grid, start, cell, skipped, number, weight, block, values, 0, &
-            size(patch, 1), size(patch), patch)
-      end do
-   end subroutine space_motion
 
    !> Add sum S_i value to columns of a patch.
    pure subroutine space_values(grid, start, local, count, values, before, patch)
@@ -83,8 +55,13 @@ contains
                part(3, p) = values(skipped + p, at(3))
                part(4, p) = values(skipped + p, at(4))
             end do
-            call add_weighted(grid, start, cell, skipped, number, weight, &
-               min(count - skip, block), part, before + skip, size(patch, 1), size(patch), patch)
+            if (count - skip >= block) then
+               call add_weighted(grid, start, cell, skipped, number, weight, block, part, &
+                  before + skip, size(patch, 1), size(patch), patch)
+            else
+               call add_weighted(grid, start, cell, skipped, number, weight, count - skip, part, &
+                  before + skip, size(patch, 1), size(patch), patch)
+            end if
          end do
       end do
    end subroutine space_values
