@@ -83,8 +83,7 @@ contains
    !! not reduced, because it is the bound for the next step.
    pure subroutine burn_apply(self, first, last, burn_time, mass, volume, pressure)
       class(burn_t), intent(in) :: self
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: burn_time(:) !! (store) [s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]

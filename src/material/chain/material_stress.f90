@@ -13,8 +13,7 @@ contains
    !! (A.4) of doc/theory/matter.md.
    pure subroutine integrate_pressure(first, last, bulk, mass, volume, dilatation, pressure, &
       wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
@@ -43,8 +42,7 @@ contains
 
    !> Stress from deviator and pressure. Equation (A.6).
    pure subroutine assemble_stress(first, last, pressure, stress)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: pressure(:)     !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator in, stress out (store, 6) [Pa]
       integer :: i, k
@@ -59,8 +57,7 @@ contains
 
    !> Stress from pressure alone.
    pure subroutine assemble_pressure(first, last, pressure, stress)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: pressure(:)     !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! (store, 6) [Pa]
       integer :: i, k

@@ -43,8 +43,7 @@ contains
    pure subroutine chain_find_rest_stress(self, state, first, last)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       ! Shorter than any time scale of the material, but still a valid divisor.
       real(wp), parameter :: instant = 1.0e-100_wp
       type(deformation_t) :: deformation
@@ -61,8 +60,7 @@ contains
    pure real(wp) function chain_signal_speed(self, state, first, last) result(speed)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(deformation_t) :: deformation
       type(material_state_t) :: solid
       integer :: count
@@ -103,8 +101,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       type(failed_subset_t) :: subset
@@ -124,8 +121,7 @@ contains
       integer, intent(in) :: stage                       !! One of those of material_stages
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle, not before it
+      integer, intent(in) :: first, last                 !! Particles of the range, not empty
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       type(failed_subset_t), intent(inout) :: subset     !! Failed particles, kept between stages
@@ -178,8 +174,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       integer :: count
 
       count = last - first + 1
@@ -201,8 +196,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp), intent(in) :: rate                       !! Cell size over time step [m/s]
 
       if (.not. allocated(self%viscosity)) then
@@ -224,8 +218,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp), intent(in) :: spacing                    !! Cell size [m]
 
       if (allocated(self%law)) then
@@ -241,8 +234,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
 
       if (.not. allocated(self%failure%fracture)) return
       if (.not. self%failure%fracture%leaves_nothing) return
@@ -256,8 +248,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
 
       if (allocated(self%voids)) then
          call self%voids%to_solid_volume(state, deformation, first, last)
@@ -288,8 +279,7 @@ contains
    pure subroutine add_bulking(state, deformation, first, last)
       type(material_state_t), intent(in) :: state               !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
 
       if (allocated(state%brittle%bulking)) deformation%pressure(:last - first + 1) = &
          deformation%pressure(:last - first + 1) + state%brittle%bulking(first:last)
@@ -300,8 +290,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
 
       ! Before the law, so that material without strength does not flow plastically.
@@ -326,8 +315,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
 
       if (self%failure%fracture%leaves_strength) then
          call fail_with_strength(first, last, self%failure%fracture%strength, self%bulk, &
@@ -345,8 +333,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
 
       if (allocated(self%failure%fracture)) then
          call break_or_fail(self, state, deformation, first, last)
@@ -369,8 +356,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp) :: plastic_share
 
       plastic_share = 0.9_wp
@@ -426,8 +412,7 @@ contains
    pure subroutine chain_stored_energy(self, state, first, last, energy)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
       real(wp) :: limit, pressure, volume
       integer :: i, k

@@ -21,8 +21,7 @@ contains
    !! Equation (L.4) of doc/theory/ledger.md.
    pure subroutine find_viscous_work(first, last, viscous_pressure, old_volume, dilatation, &
       viscous_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: viscous_pressure(:) !! Part of the force (store) [Pa]
       real(wp), contiguous, intent(in) :: old_volume(:)       !! Before the step (range) [m3]
       real(wp), contiguous, intent(in) :: dilatation(:)       !! Trace of strain (range) [1]
@@ -44,8 +43,7 @@ contains
    !! Equation (M.22) of doc/theory/method.md. Equation (S.2) of doc/theory/time_step.md.
    pure subroutine add_viscous_pressure(first, last, viscosity, rate, mass, volume, jump, &
       viscous_pressure, pressure, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(viscosity_t), intent(in) :: viscosity     !! Coefficients
       real(wp), intent(in) :: rate                   !! Cell size h over time step [m/s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]

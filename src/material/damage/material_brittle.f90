@@ -88,8 +88,7 @@ contains
       real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(inout) :: scatter(:) !! (store) [1]
       real(wp) :: number
@@ -106,8 +105,7 @@ contains
    !> Upper bound of the principal values of the deviator: 2/3 of the equivalent stress. Where the
    !! bound is below the strength, as for most particles, principal values need not be computed.
    pure subroutine bound_deviator(first, last, stress, bound)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: stress(:, :)  !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: bound(:)   !! (range) [Pa]
       integer :: i, k

@@ -21,7 +21,7 @@ module material_damage
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
       type(slice_t) :: slice                         !! Extent in directions that are not computed
    contains
-      procedure(declare_i), deferred :: declare      !! Declares its keys
+      procedure :: declare => damage_declare         !! Declares its keys, if it has any
       procedure :: fault => damage_fault             !! Error in the combination of its keys
       procedure :: needs_flow => damage_needs_flow   !! True if it uses plastic strain
       procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
@@ -36,13 +36,6 @@ module material_damage
    end type damage_t
 
    abstract interface
-      subroutine declare_i(self, schema)
-         import :: damage_t, schema_t
-         implicit none
-         class(damage_t), intent(in) :: self
-         type(schema_t), intent(inout) :: schema
-      end subroutine declare_i
-
       pure subroutine read_i(self, group, effects)
          import :: damage_t, effects_t, group_t
          implicit none
@@ -66,13 +59,18 @@ module material_damage
          class(damage_t), intent(in) :: self
          type(material_state_t), intent(inout) :: state               !! State of the store
          type(deformation_t), intent(inout) :: deformation     !! Step of the range
-         integer, intent(in) :: first                          !! First particle of the range
-         integer, intent(in) :: last                           !! Last particle of the range
+         integer, intent(in) :: first, last                    !! Particles of the range
          real(wp), intent(in) :: dt                            !! Time step [s]
       end subroutine update_i
    end interface
 
 contains
+
+   !> Declare the keys of &material that belong to the model. Most models override this.
+   subroutine damage_declare(self, schema)
+      class(damage_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
+   end subroutine damage_declare
 
    !> Error in the combination of the keys of the model; empty if there is none.
    pure function damage_fault(self, group, law) result(text)
@@ -126,8 +124,7 @@ contains
       class(damage_t), intent(in) :: self
       integer(int64), intent(in) :: seed                       !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
       real(wp), contiguous, intent(in) :: mass(:)              !! (store) [kg]
       real(wp), contiguous, intent(inout) :: scatter(:)        !! Random strength (store) [1]
 

@@ -117,8 +117,7 @@ contains
    !> Growth of damage in a step whose load is known at its end.
    pure subroutine delay_grow_damage(self, first, last, dt, load, overload, damage)
       class(delay_t), intent(in) :: self
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(in) :: load(:)    !! Over strength, after the step (range) [1]
       real(wp), contiguous, intent(inout) :: overload(:) !! Of the last step in, of this step out

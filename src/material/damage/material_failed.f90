@@ -152,8 +152,7 @@ contains
       class(failed_law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       type(failed_subset_t), intent(out) :: subset         !! Failed particles
       integer :: i, k, n, column
 
@@ -286,8 +285,7 @@ contains
 
    !> Set the stress of failed particles to zero.
    pure subroutine remove_failed_stress(first, last, failed, stress, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       integer(int64), contiguous, intent(in) :: failed(:)    !! Flag of failure (store)
       real(wp), contiguous, intent(inout) :: stress(:, :)    !! (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:)   !! (range) [m/s]

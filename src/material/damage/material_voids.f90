@@ -124,8 +124,7 @@ contains
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: count, k
 
       count = last - first + 1
@@ -146,8 +145,7 @@ contains
    !> Kernel of the above, with the voids that shear opens. Equations (F.19) and (F.20).
    pure subroutine find_fraction(first, last, voids, gradient, loose, pressure, solid_fraction, &
       fraction)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(voids_t), intent(in) :: voids
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(in) :: loose(:)   !! 1 if voids can open, else 0 (range) [1]
@@ -185,8 +183,7 @@ contains
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call move_fraction(first, last, self%critical, state%volume, deformation%old_volume, &
          deformation%voids%alpha, state%solid_fraction)
@@ -196,8 +193,7 @@ contains
    !! Equation (F.18).
    pure subroutine move_fraction(first, last, critical, volume, old_volume, fraction, &
       solid_fraction)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: critical               !! theta from which on grains touch [1]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
       real(wp), contiguous, intent(in) :: old_volume(:)      !! Before it (range) [m3]
@@ -219,8 +215,7 @@ contains
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       deformation%voids%total_volume(:last - first + 1) = state%volume(first:last)
       state%volume(first:last) = state%volume(first:last)*state%solid_fraction(first:last)
@@ -232,8 +227,7 @@ contains
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       associate (volume => state%volume(first:last), old => deformation%old_volume( &
          :last - first + 1), fraction => deformation%voids%alpha(:last - first + 1))
@@ -248,8 +242,7 @@ contains
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       deformation%pressure(:last - first + 1) = merge(deformation%pressure(:last - first + 1) &
@@ -260,8 +253,7 @@ contains
    !> Expand heated grains into voids: B = expansion dT/dt. Equation (F.20).
    pure subroutine expand_grains(first, last, expansion, temperature, old_temperature, &
       solid_fraction)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
       real(wp), contiguous, intent(in) :: temperature(:)     !! After the step (store) [K]
       real(wp), contiguous, intent(in) :: old_temperature(:) !! Before it (range) [K]

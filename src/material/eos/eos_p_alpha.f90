@@ -30,12 +30,10 @@ module eos_p_alpha
       procedure :: fault => p_alpha_fault            !! Keys that do not fit each other
       procedure :: read => p_alpha_read              !! Reads its keys
       procedure :: set => p_alpha_set                !! Sets its constants
-      procedure :: sets_bulk => p_alpha_sets_bulk    !! Returns true
       procedure :: has_pores => p_alpha_has_pores    !! Returns true
       procedure :: request => p_alpha_request        !! Requests energy and distension
       procedure :: update => p_alpha_update          !! Pressure and square of the sound speed
       procedure :: keep_state => p_alpha_keep_state  !! Keeps the distension
-      procedure :: stored_energy => p_alpha_stored_energy !! Zero, because energy is a field
    end type eos_p_alpha_t
 
 contains
@@ -111,13 +109,6 @@ contains
       self%bulk = self%density*solid%sound**2
    end subroutine p_alpha_set
 
-   !> The bulk modulus is that of c0.
-   pure logical function p_alpha_sets_bulk(self) result(sets)
-      class(eos_p_alpha_t), intent(in) :: self
-
-      sets = .true.
-   end function p_alpha_sets_bulk
-
    !> Its material is porous.
    pure logical function p_alpha_has_pores(self) result(has)
       class(eos_p_alpha_t), intent(in) :: self
@@ -139,8 +130,7 @@ contains
       class(eos_p_alpha_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: density, alpha
       integer :: i, k
 
@@ -218,19 +208,8 @@ contains
       class(eos_p_alpha_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       state%pores%distension(first:last) = deformation%distension(:last - first + 1)
    end subroutine p_alpha_keep_state
-
-   !> The energy is carried by the particles.
-   pure real(wp) function p_alpha_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_p_alpha_t), intent(in) :: self
-      real(wp), intent(in) :: mass                   !! [kg]
-      real(wp), intent(in) :: volume                 !! [m3]
-      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
-
-      energy = 0.0_wp
-   end function p_alpha_stored_energy
 end module eos_p_alpha

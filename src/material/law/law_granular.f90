@@ -121,8 +121,7 @@ contains
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call follow_motion(first, last, deformation%gradient, state%volume, state%stress, &
          deformation%old_volume, deformation%dilatation, deformation%pressure)
@@ -133,8 +132,7 @@ contains
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       integer :: count
 
@@ -158,8 +156,7 @@ contains
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call law_add_wave_speed(self, state, deformation, first, last)
       if (self%relaxes_pressure) deformation%wave_speed(:last - first + 1) = &

@@ -187,8 +187,7 @@ contains
       class(law_gurson_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(pore_lanes_t) :: group, lanes
       real(wp) :: excess(most_lanes)

@@ -75,8 +75,7 @@ contains
       class(law_mohr_coulomb_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       real(wp) :: s(6), strain(6), pressure, bulk, inside, inner, offset
       integer :: i, k

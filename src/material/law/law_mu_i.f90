@@ -103,8 +103,7 @@ contains
       class(law_mu_i_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
@@ -119,8 +118,7 @@ contains
    !> Inertial number of the step, that of the shear rate of the flow, 0 where no pressure holds
    !! grains together. Equation (Y.25).
    pure subroutine note_inertial_number(first, last, scale, pressure, plastic_increment, number)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: scale                  !! d sqrt(rho_s) over the time step [Pa^1/2]
       real(wp), contiguous, intent(in) :: pressure(:)          !! After the step (range) [Pa]
       real(wp), contiguous, intent(in) :: plastic_increment(:) !! (range) [1]
@@ -142,8 +140,7 @@ contains
    !! up to the apex at p = -c/mu_s. Equation (Y.26).
    pure subroutine return_to_flow(first, last, law, dt, volume, stress, pressure, &
       plastic_increment, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(law_mu_i_t), intent(in) :: law            !! Constants
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]

@@ -64,8 +64,7 @@ contains
       class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call deform(first, last, deformation%gradient, state%volume, state%deformation_gradient, &
          deformation%old_volume, deformation%dilatation)
@@ -76,8 +75,7 @@ contains
       class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
       call stress_of_state(first, last, self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, &
@@ -89,8 +87,7 @@ contains
       class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call fastest_wave(first, last, self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, &
          state%mass, state%volume, state%deformation_gradient, deformation%wave_speed)
@@ -156,8 +153,7 @@ contains
 
    !> Logarithms of J of all particles of a range.
    pure subroutine find_logarithms(first, last, deformation_gradient, values)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: deformation_gradient(:, :) !! F (store, 9) [1]
       real(wp), contiguous, intent(inout) :: values(:) !! ln J (range) [1]
       real(wp) :: f(9)
@@ -175,8 +171,7 @@ contains
 
    !> Deviator and pressure of all particles of a range.
    pure subroutine stress_of_state(first, last, lambda, mu, deformation_gradient, stress, pressure)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: lambda                 !! First parameter of Lame [Pa]
       real(wp), intent(in) :: mu                     !! Shear modulus [Pa]
       real(wp), contiguous, intent(in) :: deformation_gradient(:, :) !! F (store, 9) [1]
@@ -213,8 +208,7 @@ contains
    !! than at rest. Equation (Y.12).
    pure subroutine fastest_wave(first, last, lambda, mu, mass, volume, deformation_gradient, &
       wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: lambda                 !! First parameter of Lame [Pa]
       real(wp), intent(in) :: mu                     !! Shear modulus [Pa]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]

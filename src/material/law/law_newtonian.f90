@@ -80,8 +80,7 @@ contains
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
          deformation%dilatation)
@@ -92,8 +91,7 @@ contains
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
       call shear_stress(first, last, self%viscosity/dt, deformation%gradient, state%volume, &
@@ -105,8 +103,7 @@ contains
    !> Kernel of the above.
    pure subroutine shear_stress(first, last, factor, gradient, volume, stress, plastic_increment, &
       plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: factor                 !! Viscosity over time step [Pa]
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
@@ -142,8 +139,7 @@ contains
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
    end subroutine newtonian_add_wave_speed
 
    !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
@@ -153,8 +149,7 @@ contains
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: spacing                      !! Cell size [m]
 
       call diffuse(first, last, 8.0_wp/3.0_wp*self%viscosity/spacing, state%mass, state%volume, &
@@ -163,8 +158,7 @@ contains
 
    !> Kernel of the above.
    pure subroutine diffuse(first, last, factor, mass, volume, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: factor                 !! Density times 2 Q [kg/(m2 s)]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]

@@ -167,8 +167,7 @@ contains
    pure subroutine find_moduli(law, state, first, last, pressure, ratio)
       class(law_steinberg_guinan_t), intent(in) :: law
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: pressure(:)   !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: ratio(:)   !! (range) [1]
       real(wp), parameter :: third = 1.0_wp/3.0_wp
@@ -220,8 +219,7 @@ contains
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
       associate (ratio => deformation%strength%shear_ratio, stress => state%stress, &
@@ -248,8 +246,7 @@ contains
 
    !> Multiply or divide stresses by the ratio of moduli.
    pure subroutine scale_stress(first, last, ratio, stress, divides)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: ratio(:)   !! (range) [1]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! (store, 6) [Pa]
       logical, intent(in) :: divides                 !! Divide, else multiply
@@ -274,8 +271,7 @@ contains
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       type(flow_lanes_t) :: lanes
       type(hardening_power_t) :: power
@@ -358,8 +354,7 @@ contains
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
       call find_moduli(self, state, first, last, deformation%pressure, &

@@ -66,8 +66,7 @@ contains
       class(law_von_mises_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
@@ -107,8 +106,7 @@ contains
    !! elastic-plastic flow", 1964; closed form). Equations (Y.1) and (Y.3).
    pure subroutine harden(first, last, shear, yield, hardening, trial, plastic_strain, limit, &
       increment)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: yield                  !! Initial yield stress [Pa]
       real(wp), intent(in) :: hardening              !! Slope of yield stress to plastic strain [Pa]

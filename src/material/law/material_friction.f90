@@ -135,8 +135,7 @@ contains
       class(frictional_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       if (allocated(state%failed)) then
          call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
@@ -151,8 +150,7 @@ contains
    !! wave speed increases at most by the fraction 4/3 G/K.
    pure subroutine add_joined_shear_speed(first, last, shear, bulk, apex, mass, volume, pressure, &
       wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus of the reference state [Pa]
       real(wp), intent(in) :: apex                   !! Least pressure [Pa]
@@ -178,8 +176,7 @@ contains
    !! the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of doc/theory/strength.md.
    pure subroutine add_dilation_pressure(first, last, gained, mass, volume, wave_speed, pressure, &
       tangent)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
@@ -199,8 +196,7 @@ contains
 
    !> Add the dilatancy of a step, as a fraction of the volume gained before. Equation (Y.27).
    pure subroutine add_dilation(first, last, share, gained)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(inout) :: share(:) !! Of the step; overwritten (range) [1]
       real(wp), contiguous, intent(inout) :: gained(:) !! Logarithm of the volume (store) [1]
       integer :: i

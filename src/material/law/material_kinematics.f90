@@ -133,8 +133,7 @@ contains
 
    !> Volume after the step, for material without a deviator of stress.
    pure subroutine dilate(first, last, gradient, volume, old_volume, dilatation)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
       real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
@@ -155,8 +154,7 @@ contains
    ! gate: long kernel because the inverse of a matrix is nine numbers
    pure subroutine deform(first, last, gradient, volume, deformation_gradient, old_volume, &
       dilatation)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! C (range, 9) [1]
       real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
       real(wp), contiguous, intent(inout) :: deformation_gradient(:, :)  !! F (store, 9) [1]
@@ -222,8 +220,7 @@ contains
    !! 1e-14. Equation (Y.17).
    pure subroutine follow_motion(first, last, gradient, volume, stress, old_volume, dilatation, &
       pressure)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! C in, dt L out (range, 9) [1]
       real(wp), contiguous, intent(inout) :: volume(:)      !! Volume (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)   !! Deviator on return (store, 6) [Pa]
@@ -276,8 +273,7 @@ contains
    !! part. Equation (A.2).
    pure subroutine predict_deviator(first, last, plane, shear, gradient, volume, stress, &
       old_volume, dilatation, pressure)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
@@ -337,8 +333,7 @@ contains
    ! gate: long kernel because it is the step of all fields of a particle
    pure subroutine predict_plane(first, last, shear, gradient, volume, stress, old_volume, &
       dilatation, pressure)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]

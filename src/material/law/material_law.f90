@@ -66,8 +66,7 @@ module material_law
          class(law_t), intent(in) :: self
          type(material_state_t), intent(inout) :: state               !! State of the store
          type(deformation_t), intent(inout) :: deformation     !! Step of the range
-         integer, intent(in) :: first                          !! First particle of the range
-         integer, intent(in) :: last                           !! Last particle of the range
+         integer, intent(in) :: first, last                    !! Particles of the range
          real(wp), intent(in) :: dt                            !! Time step [s]
       end subroutine update_i
    end interface
@@ -189,8 +188,7 @@ contains
       class(law_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
 
       call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
          state%volume, state%stress, deformation%old_volume, deformation%dilatation, &
@@ -203,8 +201,7 @@ contains
       class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
 
       if (allocated(state%failed)) then
          call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
@@ -220,8 +217,7 @@ contains
       class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
       real(wp), intent(in) :: spacing                          !! Cell size [m]
    end subroutine law_add_viscous_speed
 
@@ -249,8 +245,7 @@ contains
 
    !> Equivalent stress of von Mises of deviators: sqrt(3/2 s:s).
    pure subroutine equivalent_stress(first, last, stress, equivalent)
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), contiguous, intent(in) :: stress(:, :)         !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: equivalent(:)     !! (range) [Pa]
       integer :: i, k
@@ -267,8 +262,7 @@ contains
    !! s = s* - 2 G e except for the rotation. With s' alone in place of the mean, grains that come
    !! into contact without stress would lose energy.
    pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(in) :: stress(:, :)    !! Trial deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: product_of_both(:) !! (range) [Pa]
@@ -302,8 +296,7 @@ contains
    !> Radial return to equivalent stresses, and its work. Equations (Y.1) and (Y.2).
    pure subroutine return_radially(first, last, shear, limit, increment, volume, stress, &
       plastic_increment, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: shear                  !! Shear modulus of the trial [Pa]
       real(wp), contiguous, intent(in) :: limit(:)   !! Equivalent stress at yield (range) [Pa]
       real(wp), contiguous, intent(in) :: increment(:) !! Plastic strain (range) [1]

@@ -17,8 +17,7 @@ contains
    pure subroutine to_matrix_volume(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call deformation%voids%reserve(last - first + 1)
       call shrink(first, last, state%plastic_dilation, deformation%voids%alpha, &
@@ -27,8 +26,7 @@ contains
 
    !> Kernel of the above.
    pure subroutine shrink(first, last, gained, share, whole, volume)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
       real(wp), contiguous, intent(inout) :: share(:) !! Matrix over whole volume (range) [1]
       real(wp), contiguous, intent(inout) :: whole(:) !! Volume of the motion (range) [m3]
@@ -52,8 +50,7 @@ contains
    pure subroutine to_matrix_volumes(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i
 
       call to_matrix_volume(state, deformation, first, last)
@@ -69,8 +66,7 @@ contains
    pure subroutine to_whole_volume(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
    end subroutine to_whole_volume
@@ -81,8 +77,7 @@ contains
    pure subroutine take_matrix_pressure(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i
 
       associate (pressure => deformation%pressure, share => deformation%voids%alpha)

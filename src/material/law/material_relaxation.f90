@@ -28,8 +28,7 @@ contains
    !> Deviator after the step, its flow and its losses.
    pure subroutine relax_deviator(first, last, shear, relaxation, inverse_contact_strain, &
       gradient, volume, stress, plastic_increment, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: relaxation             !! Time step over relaxation time at rest [1]
       real(wp), intent(in) :: inverse_contact_strain !! Relaxation for each unit of shear [1]
@@ -65,8 +64,7 @@ contains
    !> Pressure after the step, dp/dx = -k p - K tr D, and its losses.
    pure subroutine relax_pressure(first, last, bulk, relaxation, inverse_contact_strain, &
       gradient, volume, pressure, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), intent(in) :: relaxation             !! Time step over relaxation time at rest [1]
       real(wp), intent(in) :: inverse_contact_strain !! Relaxation for each unit of shear [1]

@@ -27,8 +27,7 @@ contains
 
    !> Set the deviator of failed particles to zero.
    pure subroutine remove_failed_deviator(first, last, failed, stress)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       integer(int64), contiguous, intent(in) :: failed(:)     !! Flag of failure (store)
       real(wp), contiguous, intent(inout) :: stress(:, :)     !! Deviator (store, 6) [Pa]
       logical :: gone
@@ -49,8 +48,7 @@ contains
 
    !> Set the deviator of melted particles to zero.
    pure subroutine remove_melted_deviator(first, last, melting, temperature, stress)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: melting                !! Temperature of melting [K]
       real(wp), contiguous, intent(in) :: temperature(:)      !! (store) [K]
       real(wp), contiguous, intent(inout) :: stress(:, :)     !! Deviator (store, 6) [Pa]
@@ -78,8 +76,7 @@ contains
 
    !> Keep the pressure above a limit.
    pure subroutine cut_tension(first, last, strength, pressure, pressure_floor)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: strength               !! Greatest tension [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
@@ -94,8 +91,7 @@ contains
    !> Particles that fail now; usually there are none.
    pure real(wp) function breaking(first, last, strength, pressure, damage, failed) &
       result(number)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]
       real(wp), contiguous, intent(in) :: pressure(:)          !! (range) [Pa]
       real(wp), contiguous, intent(in) :: damage(:)            !! (store) [1]
@@ -117,8 +113,7 @@ contains
    !> Set the least pressure: 0 for failed particles, minus the tensile strength for the others.
    !! Tension of failed particles is removed.
    pure subroutine drop_failed_tension(first, last, strength, failed, pressure, pressure_floor)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]
       integer(int64), contiguous, intent(in) :: failed(:)      !! Flag of failure (store)
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
@@ -140,8 +135,7 @@ contains
    ! gate: long kernel because failure changes all parts of the stress
    pure subroutine fail_as_rubble(first, last, strength, shear, bulk, volume, stress, pressure, &
       pressure_floor, damage, failed, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]
       real(wp), intent(in) :: shear                  !! Shear modulus, 0 without deviator [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus, 0 for a gas [Pa]
@@ -175,8 +169,7 @@ contains
    !! material updates. Only the elastic energy of the tension is lost.
    pure subroutine fail_with_strength(first, last, strength, bulk, volume, pressure, &
       pressure_floor, damage, failed, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus, 0 for a gas [Pa]
       real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
@@ -204,8 +197,7 @@ contains
    !! material supports no pressure, and its wave speed is at most that of the material.
    pure subroutine drop_loose_pressure(first, last, density, bulk, mass, volume, failed, pressure, &
       wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
@@ -227,8 +219,7 @@ contains
 
    !> Add the contribution of the shear modulus to the square of the wave speed. Equation (A.5).
    pure subroutine add_shear_speed(first, last, shear, mass, volume, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
@@ -245,8 +236,7 @@ contains
    !! failed. For failed particles the contribution would shorten the time step of a dispersing
    !! cloud of rubble without need.
    pure subroutine add_intact_shear_speed(first, last, shear, failed, mass, volume, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       integer(int64), contiguous, intent(in) :: failed(:)    !! Flag of failure (store)
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]

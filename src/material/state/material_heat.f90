@@ -44,8 +44,7 @@ contains
    ! gate: long kernel because heat has many sources
    pure subroutine heat_particles(first, last, specific_heat, plastic_share, gruneisen, mass, &
       volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: specific_heat          !! Specific heat at constant volume [J/(kg K)]
       real(wp), intent(in) :: plastic_share !! Fraction of plastic work that becomes heat [1]
       real(wp), contiguous, intent(in) :: gruneisen(:) !! Gamma rho (range) [kg/m3]
@@ -80,8 +79,7 @@ contains
    !> Temperature on a scale from 0 at the reference to 1 at melting, clipped to it. Equation
    !! (A.11).
    pure subroutine homologous_temperature(first, last, range, temperature, homologous)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(melting_range_t), intent(in) :: range
       real(wp), contiguous, intent(in) :: temperature(:)    !! (store) [K]
       real(wp), contiguous, intent(inout) :: homologous(:)  !! (range) [1]
@@ -97,8 +95,7 @@ contains
 
    !> A melted particle supports no tension.
    pure subroutine cut_melted_tension(first, last, melting, temperature, pressure, pressure_floor)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: melting                !! Temperature of melting [K]
       real(wp), contiguous, intent(in) :: temperature(:)       !! (store) [K]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]

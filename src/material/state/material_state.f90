@@ -65,7 +65,6 @@ module material_state
    !> Scratch of the damage models.
    type :: damage_scratch_t
       real(wp), allocatable :: bound(:)              !! Bound of the principal deviators [Pa]
-      real(wp), allocatable :: scatter(:)            !! Random strength, 1 without scatter [1]
       real(wp), allocatable :: load(:)               !! Load over strength [1]
    contains
       procedure :: reserve => damage_scratch_reserve !! Allocates it for a number of particles
@@ -112,8 +111,7 @@ contains
    !> True if a particle of a range has an internal energy.
    pure logical function has_energy(state, first, last) result(has)
       type(material_state_t), intent(in) :: state
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
 
       has = .false.
       if (allocated(state%energy)) has = any(abs(state%energy(first:last)) > 0.0_wp)
@@ -195,10 +193,10 @@ contains
 
       if (allocated(self%bound)) then
          if (size(self%bound) >= particles) return
-         deallocate (self%bound, self%scatter, self%load)
+         deallocate (self%bound, self%load)
       end if
       n = padded_length(particles)
-      allocate (self%bound(n), self%scatter(n), self%load(n))
+      allocate (self%bound(n), self%load(n))
    end subroutine damage_scratch_reserve
 
    !> Allocate the scratch for a number of particles, at the start of a step with voids.
