@@ -140,8 +140,7 @@ contains
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
       if (allocated(state%pores%distension)) &
          state%pores%distension(first:last) = self%eos%distension
-      if (allocated(state%pores%porosity)) &
-         state%pores%porosity(first:last) = self%law%initial_porosity()
+      if (allocated(state%pores%porosity)) state%pores%porosity(first:last) = self%law%porosity
       if (allocated(state%damage)) state%damage(first:last) = 0.0_wp
       if (allocated(state%brittle%scatter)) state%brittle%scatter(first:last) = 1.0_wp
       if (allocated(state%brittle%overload)) state%brittle%overload(first:last) = -1.0_wp

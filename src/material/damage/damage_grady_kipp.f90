@@ -34,7 +34,6 @@ module damage_grady_kipp
    contains
       procedure :: declare => grady_kipp_declare     !! Declares its keys
       procedure :: needs_flow => grady_kipp_needs_flow !! Returns false
-      procedure :: takes_scatter => grady_kipp_takes_scatter !! Returns true
       procedure :: needs_weibull => grady_kipp_needs_weibull !! Always, for the flaws
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Requests damage and scatter
@@ -66,13 +65,6 @@ contains
 
       needs = .false.
    end function grady_kipp_needs_flow
-
-   !> The weakest flaw may differ between particles.
-   pure logical function grady_kipp_takes_scatter(self) result(takes)
-      class(damage_grady_kipp_t), intent(in) :: self
-
-      takes = .true.
-   end function grady_kipp_takes_scatter
 
    !> The Weibull modulus is always needed: it is the exponent m of the number of flaws.
    pure logical function grady_kipp_needs_weibull(self, scatter) result(needs)
@@ -129,7 +121,6 @@ contains
       real(wp) :: strain, speed, volume, number, radius, weakest, greatest, least
       integer :: i, k
 
-      call deformation%damage%reserve(last - first + 1)
       call bound_deviator(first, last, state%stress, deformation%damage%bound)
       ! A gas has no bulk modulus at rest and no elastic strain.
       if (.not. self%bulk > 0.0_wp) return

@@ -10,11 +10,10 @@ module damage_jh2
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use law_jh2, only: strain_rate
+   use law_jh2, only: jh2_t, strain_rate
    use material_damage, only: damage_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
-   use material_jh2, only: jh2_t
    use material_law, only: law_t
    use material_state, only: deformation_t, material_state_t
    implicit none

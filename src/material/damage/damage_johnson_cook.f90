@@ -72,10 +72,8 @@ contains
       else
          self%coefficient(4) = 0.0_wp
       end if
-      if (effects%thermal .and. abs(self%coefficient(5)) > 0.0_wp) then
-         allocate (self%range)
+      if (effects%thermal .and. abs(self%coefficient(5)) > 0.0_wp) &
          call read_melting_range(group, self%range)
-      end if
    end subroutine johnson_cook_read
 
    !> Damage grows with the plastic strain; the strain to failure may depend on temperature.
@@ -136,32 +134,20 @@ contains
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      real(wp) :: flowing
-      integer :: place(most_lanes), count, i, offset
+      integer :: place(most_lanes), i, lanes, offset, most
 
-      if (allocated(self%range)) then
-         call homologous_temperature(first, last, self%range, state%temperature, &
-            deformation%strength%homologous)
-      else
-         deformation%strength%homologous(1:last - first + 1) = 0.0_wp
-      end if
-      associate (increment => deformation%plastic_increment)
-         do offset = 0, last - first, most_lanes
-            flowing = 0.0_wp
-            !$omp simd reduction(+: flowing)
-            do i = offset + 1, min(offset + most_lanes, last - first + 1)
-               flowing = flowing + merge(1.0_wp, 0.0_wp, increment(i) > 0.0_wp)
-            end do
-            if (.not. flowing > 0.0_wp) cycle
-            count = 0
-            do i = offset + 1, min(offset + most_lanes, last - first + 1)
-               if (.not. increment(i) > 0.0_wp) cycle
-               count = count + 1
-               place(count) = i
-            end do
-            call grow_lanes(self, count, place, first - 1, dt, state, deformation)
+      call homologous_temperature(self%range, state, deformation, first, last)
+      do offset = 0, last - first, most_lanes
+         most = min(offset + most_lanes, last - first + 1)
+         if (count(deformation%plastic_increment(offset + 1:most) > 0.0_wp) == 0) cycle
+         lanes = 0
+         do i = offset + 1, most
+            if (.not. deformation%plastic_increment(i) > 0.0_wp) cycle
+            lanes = lanes + 1
+            place(lanes) = i
          end do
-      end associate
+         call grow_lanes(self, lanes, place, first - 1, dt, state, deformation)
+      end do
    end subroutine johnson_cook_update
 
    !> Add the damage increment of the step of a group of particles that flow.
@@ -179,29 +165,27 @@ contains
       ! filled up to whole vectors
       filled = width*((count + width - 1)/width)
       place(count + 1:filled) = place(1)
-      associate (stress => state%stress, damage => state%damage, &
-         increment => deformation%plastic_increment, homologous => deformation%strength%homologous)
-         do l = 1, filled
-            k = before + place(l)
-            flow(l) = stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
-               + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)
-            strain(l) = deformation%pressure(place(l))
-            rate(l) = increment(place(l))/dt
-         end do
-         !$omp simd private(mean)
-         do l = 1, filled
-            flow(l) = sqrt(1.5_wp*flow(l))
-            ! Clipped before the division, which could overflow for a particle about to melt.
-            mean = min(max(-strain(l), least_triaxiality*flow(l)), most_triaxiality*flow(l))
-            strain(l) = mean/max(flow(l), tiny(1.0_wp))
-         end do
-         call find_failure_strains(model, filled, rate, strain)
-         do l = 1, count
-            k = before + place(l)
-            strain(l) = max(least_strain, strain(l) &
-               *(1.0_wp + model%coefficient(5)*homologous(place(l))))
-            damage(k) = min(1.0_wp, damage(k) + increment(place(l))/strain(l))
-         end do
-      end associate
+      do l = 1, filled
+         k = before + place(l)
+         flow(l) = state%stress(k, 1)**2 + state%stress(k, 2)**2 + state%stress(k, 3)**2 &
+            + 2.0_wp*(state%stress(k, 4)**2 + state%stress(k, 5)**2 + state%stress(k, 6)**2)
+         strain(l) = deformation%pressure(place(l))
+         rate(l) = deformation%plastic_increment(place(l))/dt
+      end do
+      !$omp simd private(mean)
+      do l = 1, filled
+         flow(l) = sqrt(1.5_wp*flow(l))
+         ! Clipped before the division, which could overflow for a particle about to melt.
+         mean = min(max(-strain(l), least_triaxiality*flow(l)), most_triaxiality*flow(l))
+         strain(l) = mean/max(flow(l), tiny(1.0_wp))
+      end do
+      call find_failure_strains(model, filled, rate, strain)
+      do l = 1, count
+         k = before + place(l)
+         strain(l) = max(least_strain, strain(l)*(1.0_wp + model%coefficient(5) &
+            *deformation%strength%homologous(place(l))))
+         state%damage(k) = min(1.0_wp, state%damage(k) + deformation%plastic_increment(place(l)) &
+            /strain(l))
+      end do
    end subroutine grow_lanes
 end module damage_johnson_cook

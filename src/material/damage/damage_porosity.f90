@@ -70,10 +70,8 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: i
 
-      associate (damage => state%damage, porosity => state%pores%porosity, final => self%final)
-         do concurrent (i=first:last)
-            damage(i) = min(1.0_wp, max(damage(i), porosity(i)/final))
-         end do
-      end associate
+      do concurrent (i=first:last)
+         state%damage(i) = min(1.0_wp, max(state%damage(i), state%pores%porosity(i)/self%final))
+      end do
    end subroutine porosity_update
 end module damage_porosity

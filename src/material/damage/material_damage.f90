@@ -24,7 +24,6 @@ module material_damage
       procedure :: declare => damage_declare         !! Declares its keys, if it has any
       procedure :: fault => damage_fault             !! Error in the combination of its keys
       procedure :: needs_flow => damage_needs_flow   !! True if it uses plastic strain
-      procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
       procedure :: needs_weibull => damage_needs_weibull !! True if it needs a Weibull modulus
       procedure :: uses_jc_rate => damage_uses_jc_rate !! True if it reads the key jc_rate
       !> True if the law of strength also gives the stress of failed material
@@ -89,19 +88,12 @@ contains
       needs = .true.
    end function damage_needs_flow
 
-   !> True if the strength of particles may scatter.
-   pure logical function damage_takes_scatter(self) result(takes)
-      class(damage_t), intent(in) :: self
-
-      takes = .false.
-   end function damage_takes_scatter
-
-   !> True if the model needs a Weibull modulus; by default if its strength scatters.
+   !> True if the model needs a Weibull modulus.
    pure logical function damage_needs_weibull(self, scatter) result(needs)
       class(damage_t), intent(in) :: self
       logical, intent(in) :: scatter                           !! Switch size_scatter of &effects
 
-      needs = scatter .and. self%takes_scatter()
+      needs = .false.
    end function damage_needs_weibull
 
    !> True if the model reads the key jc_rate, common to several models.

@@ -1,15 +1,21 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Brittle failure where the load of a particle reaches 1: the greatest principal stress over the
 !! strength, or in compression half the difference of the principal stresses over that of shear; or
-!! the greatest principal value of the elastic strain, s/(2 G) - p/(3 K), over its limit. Equations
-!! (F.1) and (F.2) of doc/theory/failure.md.
+!! the greatest principal value of the elastic strain, s/(2 G) - p/(3 K), over its limit.
+!!
+!! Failure under a load is delayed: cracks nucleate and grow, and a greater load makes them grow
+!! faster. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
+!!
+!!    dD/dt = x**n/tau,    x = load over strength - 1 > 0,    failed at D = 1.
+!!
+!! n = 0 gives a constant delay; then the overload x is not a field of the particles. Equations
+!! (F.1) to (F.4) of doc/theory/failure.md.
 module material_overload
+   use base_elementary, only: power
    use base_kinds, only: int64, wp
    use deck_group_values, only: group_t
-   use material_brittle, only: bound_deviator, draw_weibull, find_extremes, read_weibull, &
-      weibull_t
+   use material_brittle, only: bound_deviator, find_extremes, random_exponential, weibull_t
    use material_damage, only: damage_t
-   use material_delay, only: age_damage, delay_fault, delay_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
    use material_law, only: law_t
@@ -17,7 +23,10 @@ module material_overload
    implicit none
    private
 
-   public :: overload_t, read_overload
+   public :: mean_power, overload_t, read_overload
+
+   !> Upper bound of the overload. Material at this bound fails at once, and powers remain finite.
+   real(wp), parameter :: most_overload = 1.0e9_wp
 
    !> A limit that does not overflow when multiplied by random factors.
    real(wp), parameter, public :: no_limit = sqrt(huge(1.0_wp))
@@ -27,12 +36,13 @@ module material_overload
       real(wp) :: strength = no_limit                !! Greatest principal stress [Pa]
       real(wp) :: crushing = no_limit                !! Greatest shear stress [Pa]
       real(wp) :: limit = 0.0_wp !! Greatest principal strain; 0: the limits are stresses [1]
-      type(delay_t) :: delay                         !! Time from load to failure
+      real(wp) :: delay = 0.0_wp !! Time to failure at twice the strength, tau [s]
+      real(wp) :: power = 0.0_wp                     !! Exponent n of the delay [1]
       type(weibull_t), allocatable :: weibull        !! Only if strength scatters
    contains
       procedure :: fault => overload_fault           !! Error in the combination of its keys
       procedure :: needs_flow => overload_needs_flow !! Returns false
-      procedure :: takes_scatter => overload_takes_scatter !! Returns true
+      procedure :: needs_weibull => overload_needs_weibull !! If its strength scatters
       procedure :: request => overload_request       !! Requests damage and scatter
       procedure :: draw_strength => overload_draw_strength !! Random strength
       procedure :: update => overload_update         !! Failure
@@ -46,8 +56,15 @@ contains
       type(group_t), intent(in) :: group                  !! &material
       class(law_t), allocatable, intent(in) :: law        !! Law of strength, if there is one
       character(len=:), allocatable :: text
+      real(wp) :: time, power
 
-      text = delay_fault(group)
+      text = ""
+      if (.not. (group%known("failure_delay") .and. group%known("failure_delay_power"))) return
+      call group%get("failure_delay", time)
+      call group%get("failure_delay_power", power)
+      if (power > 0.0_wp .and. .not. time > 0.0_wp) text = "failure_delay_power needs "// &
+         "failure_delay [s], the time to failure at twice the strength; without it failure "// &
+         "is immediate"
    end function overload_fault
 
    !> It does not use the plastic strain.
@@ -58,11 +75,12 @@ contains
    end function overload_needs_flow
 
    !> Its strength may scatter.
-   pure logical function overload_takes_scatter(self) result(takes)
+   pure logical function overload_needs_weibull(self, scatter) result(needs)
       class(overload_t), intent(in) :: self
+      logical, intent(in) :: scatter                      !! Switch size_scatter of &effects
 
-      takes = .true.
-   end function overload_takes_scatter
+      needs = scatter
+   end function overload_needs_weibull
 
    !> Read the keys of delay and scatter.
    pure subroutine read_overload(model, group, effects)
@@ -70,10 +88,12 @@ contains
       type(group_t), intent(in) :: group                  !! &material
       type(effects_t), intent(in) :: effects
 
-      call model%delay%read(group)
+      call group%get("failure_delay", model%delay)
+      call group%get("failure_delay_power", model%power)
       if (.not. effects%size_scatter) return
       allocate (model%weibull)
-      call read_weibull(group, model%weibull)
+      if (group%given("weibull_m")) call group%get("weibull_m", model%weibull%modulus)
+      if (group%given("weibull_volume")) call group%get("weibull_volume", model%weibull%volume)
    end subroutine read_overload
 
    !> Damage, and a separate strength for each particle.
@@ -83,11 +103,12 @@ contains
 
       call requests%add("damage", "damage model "//merge("principal_strain", &
          "principal_stress", self%limit > 0.0_wp), 1)
-      call self%delay%request(requests)
+      if (self%power > 0.0_wp) call requests%add("overload", "failure_delay_power", 1)
       if (allocated(self%weibull)) call requests%add("scatter", "size_scatter", 1)
    end subroutine overload_request
 
-   !> Random strength.
+   !> Strength of particles divided by the characteristic strength, (-ln U V0/V)**(1/m). Equation
+   !! (F.5).
    pure subroutine overload_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(overload_t), intent(in) :: self
       integer(int64), intent(in) :: seed                   !! Seed of the random numbers
@@ -95,12 +116,19 @@ contains
       integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
       real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
+      real(wp) :: number
+      integer :: k
 
-      if (allocated(self%weibull)) call draw_weibull(self%weibull, self%slice, self%density, seed, &
-         identity, first, last, mass, scatter)
+      if (.not. allocated(self%weibull)) return
+      do k = first, last
+         number = random_exponential(seed, identity(k))
+         if (self%weibull%volume > 0.0_wp) number = number*self%weibull%volume &
+            /self%slice%volume(mass(k), self%density)
+         scatter(k) = power(number, 1.0_wp/self%weibull%modulus)
+      end do
    end subroutine overload_draw_strength
 
-   !> Mark overloaded particles as failed.
+   !> Growth of damage in a step whose load is known at its end. Equations (F.3) and (F.4).
    pure subroutine overload_update(self, state, deformation, first, last, dt)
       class(overload_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state       !! State of the store
@@ -109,19 +137,23 @@ contains
       real(wp), intent(in) :: dt                           !! Time step [s]
       integer :: i, k
 
-      call deformation%damage%reserve(last - first + 1)
       call bound_deviator(first, last, state%stress, deformation%damage%bound)
       call find_loads(self, state, deformation, first, last)
-      if (allocated(state%brittle%overload)) then
-         call self%delay%grow_damage(first, last, dt, deformation%damage%load, &
-            state%brittle%overload, state%damage)
-         return
-      end if
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         if (deformation%damage%load(i) >= 1.0_wp) &
-            state%damage(k) = age_damage(state%damage(k), self%delay%time, dt)
-      end do
+      associate (load => deformation%damage%load, damage => state%damage)
+         do i = 1, last - first + 1
+            k = first - 1 + i
+            if (allocated(state%brittle%overload)) then
+               if (load(i) > 1.0_wp .or. state%brittle%overload(k) > 0.0_wp) damage(k) = &
+                  min(1.0_wp, damage(k) + dt/self%delay &
+                  *mean_power(state%brittle%overload(k), load(i) - 1.0_wp, self%power))
+               state%brittle%overload(k) = load(i) - 1.0_wp
+            else if (load(i) >= 1.0_wp .and. self%delay > dt) then
+               damage(k) = min(1.0_wp, damage(k) + dt/self%delay)
+            else if (load(i) >= 1.0_wp) then
+               damage(k) = 1.0_wp
+            end if
+         end do
+      end associate
    end subroutine overload_update
 
    !> Loads of the particles. Where a load is below 1, and was below 1 before, an upper bound is
@@ -171,4 +203,29 @@ contains
          load = max((greatest - pressure)/(model%strength*factor), shear/(model%crushing*factor))
       end if
    end function load_of
+
+   !> Mean over a step of the power of an overload that changes linearly; negative
+   !! values count as zero. Equation (F.4).
+   pure real(wp) function mean_power(before, now, n) result(mean)
+      real(wp), intent(in) :: before                 !! Overload before the step [1]
+      real(wp), intent(in) :: now                    !! After it [1]
+      real(wp), intent(in) :: n                      !! Exponent [1]
+      ! For a smaller relative change the rounding error of the difference of powers exceeds the
+      ! truncation error of the series.
+      real(wp), parameter :: narrow = 1.0e-3_wp
+      real(wp) :: lower, upper, middle, width
+
+      mean = 0.0_wp
+      upper = min(max(before, now), most_overload)
+      if (.not. upper > 0.0_wp) return
+      lower = min(before, now, most_overload)
+      middle = 0.5_wp*(lower + upper)
+      width = upper - lower
+      if (width < narrow*middle) then
+         mean = power(middle, n)*(1.0_wp + n*(n - 1.0_wp)/24.0_wp*(width/middle)**2)
+      else
+         mean = power(upper, n)*(1.0_wp - power(max(lower, 0.0_wp)/upper, n + 1.0_wp)) &
+            *upper/((n + 1.0_wp)*width)
+      end if
+   end function mean_power
 end module material_overload

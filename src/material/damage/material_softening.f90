@@ -204,7 +204,6 @@ contains
       integer :: i, k
       logical :: near
 
-      call deformation%damage%reserve(last - first + 1)
       call bound_deviator(first, last, state%stress, deformation%damage%bound)
       factor = 1.0_wp
       do i = 1, last - first + 1

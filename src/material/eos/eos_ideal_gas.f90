@@ -66,15 +66,12 @@ contains
       real(wp) :: share
       integer :: i, k
 
-      associate (heat_ratio => self%heat_ratio, mass => state%mass, volume => state%volume, &
-         energy => state%energy, pressure => deformation%pressure, square => deformation%wave_speed)
-         do concurrent (i=1:last - first + 1)
-            k = first - 1 + i
-            share = (heat_ratio - 1.0_wp)*max(energy(k), 0.0_wp)
-            pressure(i) = share*mass(k)/volume(k)
-            square(i) = heat_ratio*share
-         end do
-      end associate
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         share = (self%heat_ratio - 1.0_wp)*max(state%energy(k), 0.0_wp)
+         deformation%pressure(i) = share*state%mass(k)/state%volume(k)
+         deformation%wave_speed(i) = self%heat_ratio*share
+      end do
    end subroutine ideal_gas_update
 
    !> Grueneisen parameter gamma - 1 times density at the middle of the step. Equation (A.13) of

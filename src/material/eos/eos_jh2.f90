@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Pressure of brittle material after Johnson and Holmquist (JH-2), see material_jh2: with
+!> Pressure of brittle material after Johnson and Holmquist (JH-2), see law_jh2: with
 !! mu = rho/rho0 - 1 it is K1 mu + K2 mu**2 + K3 mu**3 in compression and K1 mu in tension.
 !!
 !! The material update adds the pressure from bulking, in tension too, so that the sum has no jump.
@@ -81,17 +81,15 @@ contains
       real(wp) :: excess, compression
       integer :: i, k
 
-      associate (density => self%density, bulk => self%bulk, square => self%square, &
-         cube => self%cube, mass => state%mass, volume => state%volume)
-         do concurrent (i=1:last - first + 1)
-            k = first - 1 + i
-            excess = (mass(k) - density*volume(k))/(density*volume(k))
-            compression = max(0.0_wp, excess)
-            deformation%pressure(i) = bulk*excess + compression**2*(square + cube*compression)
-            deformation%wave_speed(i) = (bulk + compression*(2.0_wp*square &
-               + 3.0_wp*cube*compression))/density
-         end do
-      end associate
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         excess = (state%mass(k) - self%density*state%volume(k))/(self%density*state%volume(k))
+         compression = max(0.0_wp, excess)
+         deformation%pressure(i) = self%bulk*excess &
+            + compression**2*(self%square + self%cube*compression)
+         deformation%wave_speed(i) = (self%bulk &
+            + compression*(2.0_wp*self%square + 3.0_wp*self%cube*compression))/self%density
+      end do
    end subroutine jh2_update
 
    !> Energy stored in the change of volume: in tension that of a linear equation of state, in

@@ -12,6 +12,7 @@ module eos_jwl
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: changes_physics, schema_t
+   use material_effects, only: in_order
    use material_eos, only: eos_t, take_gruneisen
    use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
@@ -83,14 +84,10 @@ contains
       class(eos_jwl_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
-      real(wp) :: r1, r2
 
       text = ""
-      if (.not. (group%known("jwl_r1") .and. group%known("jwl_r2"))) return
-      call group%get("jwl_r1", r1)
-      call group%get("jwl_r2", r2)
-      if (r1 <= r2) text = "jwl_r1 must be above jwl_r2; jwl_a and jwl_r1 are the term of high "// &
-         "pressure"
+      if (.not. in_order(group, "jwl_r2", "jwl_r1")) text = &
+         "jwl_r1 must be above jwl_r2; jwl_a and jwl_r1 are the term of high pressure"
    end function jwl_fault
 
    !> Read the keys of the equation of state.

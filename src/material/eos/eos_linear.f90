@@ -36,16 +36,13 @@ contains
       integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
-      associate (density => self%density, bulk => self%bulk, mass => state%mass, &
-         volume => state%volume, pressure => deformation%pressure, square => deformation%wave_speed)
-         do concurrent (i=1:last - first + 1)
-            k = first - 1 + i
-            ! The difference is computed before the division, so that the result at rest is exactly
-            ! 0.
-            pressure(i) = bulk*(mass(k) - density*volume(k))/(density*volume(k))
-            square(i) = bulk/density
-         end do
-      end associate
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         ! The difference is computed before the division, so that the result at rest is exactly 0.
+         deformation%pressure(i) = self%bulk*(state%mass(k) - self%density*state%volume(k)) &
+            /(self%density*state%volume(k))
+         deformation%wave_speed(i) = self%bulk/self%density
+      end do
    end subroutine linear_update
 
    !> Energy stored in the change of volume.

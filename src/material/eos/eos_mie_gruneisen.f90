@@ -110,14 +110,11 @@ contains
       sound = self%sound
       slope = self%slope
       gamma = self%gamma
-      associate (mass => state%mass, volume => state%volume, energy => state%energy, &
-         pressure => deformation%pressure, square => deformation%wave_speed)
-         do concurrent (i=1:last - first + 1)
-            k = first - 1 + i
-            call mie_gruneisen_state(density, sound, slope, gamma, density*volume(k)/mass(k), &
-               energy(k), pressure(i), square(i))
-         end do
-      end associate
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         call mie_gruneisen_state(density, sound, slope, gamma, density*state%volume(k) &
+            /state%mass(k), state%energy(k), deformation%pressure(i), deformation%wave_speed(i))
+      end do
    end subroutine mie_gruneisen_update
 
    !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de, of one state. Without
@@ -170,15 +167,13 @@ contains
       integer :: i, k
 
       curvature = max(2.0_wp*self%gamma - gamma_of_vapour, 0.0_wp)
-      associate (density => self%density, gamma => self%gamma, mass => state%mass, &
-         volume => state%volume, old_volume => deformation%old_volume)
-         do concurrent (i=1:last - first + 1)
-            k = first - 1 + i
-            z = min(2.0_wp*mass(k)/(density*(volume(k) + old_volume(i))), 1.0_wp)
-            d = 1.0_wp - z
-            deformation%gruneisen(i) = density*z*(gamma*(1.0_wp + d) - curvature*d*d)
-         end do
-      end associate
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         z = min(2.0_wp*state%mass(k)/(self%density*(state%volume(k) &
+            + deformation%old_volume(i))), 1.0_wp)
+         d = 1.0_wp - z
+         deformation%gruneisen(i) = self%density*z*(self%gamma*(1.0_wp + d) - curvature*d*d)
+      end do
    end subroutine mie_gruneisen_find_gruneisen
 
    !> Heat above the reference temperature is part of the energy.

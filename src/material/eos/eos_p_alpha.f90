@@ -12,6 +12,7 @@ module eos_p_alpha
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
    use eos_mie_gruneisen, only: eos_mie_gruneisen_t, mie_gruneisen_state
+   use material_effects, only: in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
@@ -62,19 +63,11 @@ contains
       class(eos_p_alpha_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
-      real(wp) :: one, other
 
       text = ""
-      if (group%known("pa_pe") .and. group%known("pa_pc")) then
-         call group%get("pa_pe", one)
-         call group%get("pa_pc", other)
-         if (other <= one) text = "pa_pc must be above pa_pe"
-      end if
-      if (group%known("pa_solid") .and. group%known("density")) then
-         call group%get("pa_solid", one)
-         call group%get("density", other)
-         if (other > one) text = "density of porous material must not be above pa_solid"
-      end if
+      if (.not. in_order(group, "pa_pe", "pa_pc")) text = "pa_pc must be above pa_pe"
+      if (.not. in_order(group, "density", "pa_solid", equal=.true.)) &
+         text = "density of porous material must not be above pa_solid"
       if (group%given("specific_heat")) text = "eos_model = 'p_alpha' has no model of the "// &
          "heat of crushing; set thermal = .false."
    end function p_alpha_fault
@@ -83,15 +76,14 @@ contains
    pure subroutine p_alpha_read(self, group)
       class(eos_p_alpha_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      real(wp) :: solid, sound, slope, gamma, elastic, crushed
+      type(eos_mie_gruneisen_t) :: solid
+      real(wp) :: elastic, crushed
 
-      call group%get("pa_solid", solid)
-      call group%get("mg_c0", sound)
-      call group%get("mg_s", slope)
-      call group%get("mg_gamma", gamma)
+      call group%get("pa_solid", solid%density)
+      call solid%read(group)
       call group%get("pa_pe", elastic)
       call group%get("pa_pc", crushed)
-      call self%set(eos_mie_gruneisen_t(solid, sound, slope, gamma), elastic, crushed)
+      call self%set(solid, elastic, crushed)
    end subroutine p_alpha_read
 
    !> Set the constants; the density is set before.

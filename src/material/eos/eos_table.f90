@@ -133,28 +133,25 @@ contains
       integer :: begin
 
       do begin = first, last, most_lanes
-         call find_lanes(self, begin, min(begin + most_lanes - 1, last), state%mass, &
-            state%volume, state%energy, lanes)
+         call find_lanes(self, state, begin, min(begin + most_lanes - 1, last), lanes)
          call self%table%interpolate(lanes, begin - first, deformation%pressure, &
             deformation%wave_speed)
       end do
    end subroutine table_update
 
    !> Densities and energies of some particles, and their cells of the table.
-   pure subroutine find_lanes(eos, first, last, mass, volume, energy, lanes)
+   pure subroutine find_lanes(eos, state, first, last, lanes)
       class(eos_table_t), intent(in) :: eos
+      type(material_state_t), intent(in) :: state    !! State of the store
       integer, intent(in) :: first, last             !! First and last particle
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
       type(cell_lanes_t), intent(inout) :: lanes
       integer :: l
 
       lanes%count = last - first + 1
       !$omp simd
       do l = 1, lanes%count
-         lanes%density(l) = mass(first - 1 + l)/volume(first - 1 + l)
-         lanes%energy(l) = energy(first - 1 + l)
+         lanes%density(l) = state%mass(first - 1 + l)/state%volume(first - 1 + l)
+         lanes%energy(l) = state%energy(first - 1 + l)
       end do
       call eos%table%find_cells(lanes)
    end subroutine find_lanes
@@ -194,8 +191,7 @@ contains
       integer :: begin
 
       do begin = first, last, most_lanes
-         call find_lanes(self, begin, min(begin + most_lanes - 1, last), state%mass, &
-            state%volume, state%energy, lanes)
+         call find_lanes(self, state, begin, min(begin + most_lanes - 1, last), lanes)
          call self%table%find_temperatures(lanes, begin - 1, state%temperature)
       end do
    end subroutine table_find_temperature

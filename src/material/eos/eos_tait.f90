@@ -60,22 +60,20 @@ contains
       real(wp) :: stiffness, square
       integer :: i, k
 
-      associate (density => self%density, mass => state%mass, volume => state%volume, &
-         pressure => deformation%pressure, wave_speed => deformation%wave_speed)
-         do concurrent (i=1:last - first + 1)
-            k = first - 1 + i
-            ! At rest the result is exactly 1, so the pressure is exactly 0.
-            wave_speed(i) = 1.0_wp + (mass(k) - density*volume(k))/(density*volume(k))
-            pressure(i) = wave_speed(i)
-         end do
-         call take_fast_powers(last - first + 1, self%exponent, pressure)
-         stiffness = self%bulk/self%exponent
-         square = self%bulk/density
-         do concurrent (i=1:last - first + 1)
-            wave_speed(i) = square*pressure(i)/wave_speed(i)
-            pressure(i) = stiffness*(pressure(i) - 1.0_wp)
-         end do
-      end associate
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         ! At rest the result is exactly 1, so the pressure is exactly 0.
+         deformation%wave_speed(i) = 1.0_wp + (state%mass(k) - self%density*state%volume(k)) &
+            /(self%density*state%volume(k))
+         deformation%pressure(i) = deformation%wave_speed(i)
+      end do
+      call take_fast_powers(last - first + 1, self%exponent, deformation%pressure)
+      stiffness = self%bulk/self%exponent
+      square = self%bulk/self%density
+      do concurrent (i=1:last - first + 1)
+         deformation%wave_speed(i) = square*deformation%pressure(i)/deformation%wave_speed(i)
+         deformation%pressure(i) = stiffness*(deformation%pressure(i) - 1.0_wp)
+      end do
    end subroutine tait_update
 
    !> Energy stored in the change of volume. With x = V rho0/m it is m K/(n rho0) times (x**(1 - n)

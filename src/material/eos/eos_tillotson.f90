@@ -13,6 +13,7 @@ module eos_tillotson
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
+   use material_effects, only: in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
@@ -77,13 +78,9 @@ contains
       class(eos_tillotson_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
-      real(wp) :: melt, vapour
 
       text = ""
-      if (.not. (group%known("till_eiv") .and. group%known("till_ecv"))) return
-      call group%get("till_eiv", melt)
-      call group%get("till_ecv", vapour)
-      if (vapour <= melt) text = "till_ecv must be above till_eiv"
+      if (.not. in_order(group, "till_eiv", "till_ecv")) text = "till_ecv must be above till_eiv"
    end function tillotson_fault
 
    !> Read the keys of the equation of state.
@@ -117,30 +114,41 @@ contains
       type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first, last                   !! Particles of the range
-      real(wp) :: dense(3), density, inverse, least, to_density, to_energy
+      real(wp) :: density, to_density, to_energy
       integer :: i, k
 
-      least = least_sound**2*self%bulk/self%density
-      associate (mass => state%mass, volume => state%volume, energy => state%energy, &
-         pressure => deformation%pressure, square => deformation%wave_speed)
-         !$omp simd private(dense, density, inverse, k)
-         do i = 1, last - first + 1
-            k = first - 1 + i
-            density = mass(k)/volume(k)
-            inverse = volume(k)/mass(k)
-            call find_dense_state(self, density, inverse, energy(k), dense)
-            pressure(i) = dense(1)
-            square(i) = max(least, dense(2) + dense(1)*inverse*inverse*dense(3))
-         end do
-         do i = 1, last - first + 1
-            k = first - 1 + i
-            if (energy(k) <= self%melt .or. mass(k) >= self%density*volume(k)) cycle
-            density = mass(k)/volume(k)
-            call find_state(self, density, energy(k), pressure(i), to_density, to_energy)
-            square(i) = max(least, to_density + pressure(i)/density**2*to_energy)
-         end do
-      end associate
+      call condense(self, state, deformation, first, last)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         if (state%energy(k) <= self%melt .or. state%mass(k) >= self%density*state%volume(k)) cycle
+         density = state%mass(k)/state%volume(k)
+         call find_state(self, density, state%energy(k), deformation%pressure(i), to_density, &
+            to_energy)
+         deformation%wave_speed(i) = max(least_sound**2*self%bulk/self%density, &
+            to_density + deformation%pressure(i)/density**2*to_energy)
+      end do
    end subroutine tillotson_update
+
+   !> The same of condensed material. The loop becomes one of vectors only if the type is known.
+   pure subroutine condense(eos, state, deformation, first, last)
+      type(eos_tillotson_t), intent(in) :: eos             !! Constants
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: dense(3), density, inverse
+      integer :: i, k
+
+      !$omp simd private(dense, density, inverse, k)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         density = state%mass(k)/state%volume(k)
+         inverse = state%volume(k)/state%mass(k)
+         call find_dense_state(eos, density, inverse, state%energy(k), dense)
+         deformation%pressure(i) = dense(1)
+         deformation%wave_speed(i) = max(least_sound**2*eos%bulk/eos%density, &
+            dense(2) + dense(1)*inverse*inverse*dense(3))
+      end do
+   end subroutine condense
 
    !> Pressure of condensed material, and its derivatives to density and energy.
    pure subroutine find_dense_state(eos, density, inverse, given, dense)
