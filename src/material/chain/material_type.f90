@@ -59,7 +59,7 @@ contains
       end if
       if (allocated(self%failure%softening) .and. .not. self%bulk > 0.0_wp) &
          call deck%add_error(group, "fracture_energy needs an eos_model with a bulk modulus at "// &
-         "rest; a gas does not crack", "fracture_energy")
+         "rest; a gas does not crack [D443]", "fracture_energy")
    end subroutine material_read
 
    !> Allocate the requested models.

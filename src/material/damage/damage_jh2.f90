@@ -67,7 +67,7 @@ contains
       text = ""
       fits = .false.
       if (allocated(law)) fits = law%softens_by_damage()
-      if (.not. fits) text = "damage_model = 'jh2' needs strength_model = 'jh2'"
+      if (.not. fits) text = "damage_model = 'jh2' needs strength_model = 'jh2' [D364]"
    end function damage_jh2_fault
 
    !> Failed material has the fractured strength.

@@ -88,12 +88,12 @@ contains
       if (.not. group%given("failed_as")) return
       call group%get("failed_as", word)
       if (.not. fails) then
-         text = "failed_as is given but the material cannot fail; give damage_model or spall"
+         text = "failed_as is given but the material cannot fail; give damage_model or spall [D362]"
       else if (word == "granular" .and. .not. (group%given("failed_tau") .or. &
          group%given("failed_gamma_c"))) then
-         text = "failed_as = 'granular' needs failed_tau [s], failed_gamma_c or both"
+         text = "failed_as = 'granular' needs failed_tau [s], failed_gamma_c or both [D362]"
       else if ((word == "granular" .or. word == "drucker_prager") .and. .not. has_shear) then
-         text = "failed_as = 'granular' and 'drucker_prager' need a shear modulus"
+         text = "failed_as = 'granular' and 'drucker_prager' need a shear modulus [D362]"
       end if
    end function failed_law_fault
 

@@ -64,7 +64,7 @@ contains
       call group%get("failure_delay_power", power)
       if (power > 0.0_wp .and. .not. time > 0.0_wp) text = "failure_delay_power needs "// &
          "failure_delay [s], the time to failure at twice the strength; without it failure "// &
-         "is immediate"
+         "is immediate [D442]"
    end function overload_fault
 
    !> It does not use the plastic strain.

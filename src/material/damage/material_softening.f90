@@ -98,17 +98,17 @@ contains
       text = ""
       call group%get("softening", word)
       if (word == "exponential" .and. .not. group%given("fracture_energy")) &
-         text = "softening = 'exponential' needs fracture_energy [J/m2]"
+         text = "softening = 'exponential' needs fracture_energy [J/m2] [D364]"
       if (.not. group%given("fracture_energy")) return
       if (allocated(law)) then
          call group%get("strength_model", word)
          if (law%softens_by_damage()) text = "fracture_energy is not used by strength_model = '" &
-            //word//"', which has its own softening; remove it"
+            //word//"', which has its own softening; remove it [D364]"
       end if
       if (.not. (group%given("failure_delay") .and. group%known("failure_delay"))) return
       call group%get("failure_delay", delay)
       if (delay > 0.0_wp) text = "fracture_energy and failure_delay are both given; keep "// &
-         "one: the strength decreases with the crack opening or with time"
+         "one: the strength decreases with the crack opening or with time [D441]"
    end function softening_fault
 
    !> Error in moduli and cell size; empty if none. If the cell is too large, its elastic energy
@@ -129,7 +129,7 @@ contains
       if (dimensions > 1) greatest = greatest/sqrt(real(dimensions, wp))
       if (spacing <= greatest) return
       text = "cells of "//brief(spacing)//" m are too large for this fracture_energy: a cell "// &
-         "that cracks would snap back; dx must be at most "//brief(greatest)//" m"
+         "that cracks would snap back; dx must be at most "//brief(greatest)//" m [D440]"
    end function softening_band_fault
 
    !> Damage D of a state. Equation (F.8).

@@ -90,16 +90,16 @@ contains
       if (group%given("dilation_angle")) call group%get("dilation_angle", dilation)
       if (eos%has_pores()) then
          call group%get("eos_model", word)
-         text = "eos_model = '"//word//"' has pores of its own; remove it or &effects voids"
+         text = "eos_model = '"//word//"' has pores of its own; remove it or &effects voids [D364]"
       else if (pores) then
          call group%get("strength_model", word)
          text = "strength_model = '"//word//"' has pores of its own; remove it or &effects voids"
       else if (dilation > 0.0_wp) then
-         text = "with &effects voids shear opens them by b_shear, not by dilation_angle"
+         text = "with &effects voids shear opens them by b_shear, not by dilation_angle [D364]"
       else if (solid .and. fraction < 1.0_wp) then
          call group%get("strength_model", word)
          text = "strength_model = '"//word//"' is that of material without pores; remove "// &
-            "solid_fraction"
+            "solid_fraction [D364]"
       end if
    end function voids_fault
 

@@ -59,7 +59,7 @@ contains
       call group%get("jh2_k2", square)
       call group%get("jh2_k3", cube)
       if (square < 0.0_wp .and. square**2 >= 3.0_wp*linear*cube) text = "the pressure of "// &
-         "jh2_k1, jh2_k2 and jh2_k3 decreases with the density in some range"
+         "jh2_k1, jh2_k2 and jh2_k3 decreases with the density in some range [D363]"
    end function jh2_fault
 
    !> Read the keys of the equation of state.

@@ -69,7 +69,7 @@ contains
       if (.not. in_order(group, "density", "pa_solid", equal=.true.)) &
          text = "density of porous material must not be above pa_solid"
       if (group%given("specific_heat")) text = "eos_model = 'p_alpha' has no model of the "// &
-         "heat of crushing; set thermal = .false."
+         "heat of crushing; set thermal = .false. [D364]"
    end function p_alpha_fault
 
    !> Read the keys of the equation of state.

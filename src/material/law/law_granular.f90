@@ -80,7 +80,7 @@ contains
 
       text = ""
       if (.not. (group%given("gr_tau") .or. group%given("gr_gamma_c"))) &
-         text = "strength_model = 'granular' needs gr_tau [s], gr_gamma_c or both"
+         text = "strength_model = 'granular' needs gr_tau [s], gr_gamma_c or both [D364]"
    end function granular_fault
 
    !> Read the keys of the law. All energy lost by relaxation becomes heat.

@@ -111,7 +111,7 @@ contains
       if (group%known("scg_gp")) then
          call group%get("scg_gp", number)
          if (number > 1.0e-6_wp) text = "scg_gp is per Pa; was it given per Mbar? Then "// &
-            "write it with e-11 (1 Mbar = 1e11 Pa)"
+            "write it with e-11 (1 Mbar = 1e11 Pa) [D505]"
       end if
       if (.not. in_order(group, "scg_y0", "scg_ymax", equal=.true.)) &
          text = "scg_ymax must not be below scg_y0"

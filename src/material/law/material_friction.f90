@@ -96,13 +96,13 @@ contains
       end if
       if (friction > 0.0_wp .and. friction < 0.5_wp*pi) then
          text = "friction_angle = "//brief(friction)//" deg: did you mean radians ("// &
-            brief(anint(friction*1800.0_wp/pi)/10.0_wp)//" deg)?"
+            brief(anint(friction*1800.0_wp/pi)/10.0_wp)//" deg)? [D506]"
       else if (dilation > friction) then
          text = "dilation_angle must not be above friction_angle, otherwise flow would "// &
-            "generate energy"
+            "generate energy [D363]"
       else if (dilation > 0.0_wp .and. .not. linear) then
          text = "dilation_angle needs eos_model = 'linear', because other models depend only "// &
-            "on the density"
+            "on the density [D364]"
       else if (.not. (friction > 0.0_wp .or. cohesion > 0.0_wp)) then
          text = "friction_angle or cohesion must be above 0; for a fluid set elastic = 'none'"
       end if
