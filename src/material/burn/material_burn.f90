@@ -6,6 +6,7 @@ module material_burn
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use material_eos, only: eos_t
+   use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -81,14 +82,11 @@ contains
 
    !> Multiply the pressure of the products with the burn fraction. The square of the sound speed is
    !! not reduced, because it is the bound for the next step.
-   pure subroutine burn_apply(self, first, last, burn_time, mass, volume, pressure)
+   pure subroutine burn_apply(self, state, deformation, first, last)
       class(burn_t), intent(in) :: self
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: burn_time(:) !! (store) [s]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: pressure(:) !! (range) [Pa]
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: slope, most
       integer :: i, k
 
@@ -97,8 +95,9 @@ contains
       slope = self%density*most
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         pressure(i) = pressure(i)*max(0.0_wp, min(1.0_wp, &
-            max((self%time - burn_time(k))*self%rate, most - slope*volume(k)/mass(k))))
+         deformation%pressure(i) = deformation%pressure(i)*max(0.0_wp, min(1.0_wp, &
+            max((self%time - state%burn_time(k))*self%rate, &
+            most - slope*state%volume(k)/state%mass(k))))
       end do
    end subroutine burn_apply
 end module material_burn

@@ -3,7 +3,7 @@
 module material_checks
    use base_kinds, only: wp
    use deck_reader, only: deck_t, group_t
-   use material_effects, only: effects_t
+   use material_effects, only: effects_t, in_order
    use material_failed, only: failed_law_fault
    use material_models, only: models_t
    use material_softening, only: softening_fault
@@ -126,16 +126,12 @@ contains
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
-      real(wp) :: reference, melting
 
       if (material%is_gas_of_explosive()) then
          if (group%given("t_melt")) call deck%add_error(group, "t_melt is not used by "// &
             "detonation products, which are a gas; remove it [D320]", "t_melt")
       else if (group%given("t_melt")) then
-         if (.not. (group%known("t_melt") .and. group%known("t_ref"))) return
-         call group%get("t_melt", melting)
-         call group%get("t_ref", reference)
-         if (melting <= reference) &
+         if (.not. in_order(group, "t_ref", "t_melt")) &
             call deck%add_error(group, "t_melt must be above t_ref [D308]", "t_melt")
       else if (effects%melting .or. needs_melting(material, group)) then
          call deck%add_error(group, "t_melt must be set [K] [D302]")

@@ -61,8 +61,7 @@ contains
       class(chain_t), intent(in) :: chain
       type(material_state_t), intent(inout) :: state        !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(in) :: spacing                !! Cell size [m]
       type(failed_subset_t) :: subset

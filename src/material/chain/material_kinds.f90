@@ -57,10 +57,8 @@ contains
       type(material_t), intent(in) :: materials(:)   !! Materials of the deck
       integer :: index
 
-      yes = size(materials) > 0
-      do index = 1, size(materials)
-         yes = yes .and. is_gas(materials(index)) .and. .not. allocated(materials(index)%burn)
-      end do
+      yes = size(materials) > 0 .and. all([(is_gas(materials(index)) .and. .not. &
+         allocated(materials(index)%burn), index=1, size(materials))])
    end function all_gases
 
    !> True if some material is a gas, or an explosive whose products are one.
@@ -68,10 +66,7 @@ contains
       type(material_t), intent(in) :: materials(:)   !! Materials of the deck
       integer :: index
 
-      yes = .false.
-      do index = 1, size(materials)
-         yes = yes .or. is_gas(materials(index))
-      end do
+      yes = any([(is_gas(materials(index)), index=1, size(materials))])
    end function any_gas
 
    !> Is a material a gas, or an explosive whose products are one: without strength, with an

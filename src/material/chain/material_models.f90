@@ -127,8 +127,7 @@ contains
    pure subroutine models_start(self, state, first, last, temperature)
       class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: temperature            !! Initial temperature [K]
 
       state%stress(first:last, :) = 0.0_wp
@@ -141,8 +140,7 @@ contains
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
       if (allocated(state%pores%distension)) &
          state%pores%distension(first:last) = self%eos%distension
-      if (allocated(state%pores%porosity)) &
-         state%pores%porosity(first:last) = self%law%initial_porosity()
+      if (allocated(state%pores%porosity)) state%pores%porosity(first:last) = self%law%porosity
       if (allocated(state%damage)) state%damage(first:last) = 0.0_wp
       if (allocated(state%brittle%scatter)) state%brittle%scatter(first:last) = 1.0_wp
       if (allocated(state%brittle%overload)) state%brittle%overload(first:last) = -1.0_wp
@@ -213,8 +211,7 @@ contains
       class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
 
       if (allocated(state%brittle%scatter)) call self%damage%draw_strength(self%failure%seed, &
          identity, first, last, state%mass, state%brittle%scatter)

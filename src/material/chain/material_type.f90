@@ -31,6 +31,7 @@ contains
       character(len=*), optional, intent(in) :: path !! Name of that file, for messages
       character(len=14), parameter :: models(5) = [character(len=14) :: "elastic", "eos_model", &
          "strength_model", "damage_model", "preset"]
+      character(len=:), allocatable :: fault, doubt
       type(effects_t) :: effects
       type(group_t) :: group
 
@@ -40,7 +41,11 @@ contains
       ! a misspelt model or preset is reported already; errors in its keys would only follow from it
       if (.not. group%valid(models)) return
       call choose_models(self, group, effects)
-      if (present(table) .and. allocated(self%eos)) call take_table(self, deck, group, table, path)
+      if (present(table) .and. allocated(self%eos)) then
+         call self%eos%take_file(table, path, group, fault, doubt)
+         if (len(doubt) > 0) call deck%warn(group, "eos_table: "//doubt, "eos_table")
+         if (len(fault) > 0) call deck%add_error(group, "eos_table: "//fault, "eos_table")
+      end if
       call check_material(self, group, effects, deck)
       if (.not. (deck%sound("material", place) .and. deck%sound("effects") .and. &
          deck%sound("method") .and. deck%sound("run"))) return
@@ -56,20 +61,6 @@ contains
          call deck%add_error(group, "fracture_energy needs an eos_model with a bulk modulus at "// &
          "rest; a gas does not crack [D443]", "fracture_energy")
    end subroutine material_read
-
-   !> The file of an equation of state that is a table.
-   subroutine take_table(material, deck, group, table, path)
-      class(material_t), intent(inout) :: material
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(group_t), intent(in) :: group             !! Group &material
-      character(len=*), intent(in) :: table          !! Text of the file
-      character(len=*), intent(in) :: path           !! For messages
-      character(len=:), allocatable :: fault, doubt
-
-      call material%eos%take_file(table, path, group, fault, doubt)
-      if (len(doubt) > 0) call deck%warn(group, "eos_table: "//doubt, "eos_table")
-      if (len(fault) > 0) call deck%add_error(group, "eos_table: "//fault, "eos_table")
-   end subroutine take_table
 
    !> Allocate the requested models.
    subroutine choose_models(material, group, effects)

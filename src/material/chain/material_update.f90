@@ -8,18 +8,15 @@ module material_update
    use material_heat, only: cut_melted_tension, heat_particles
    use material_kinematics, only: dilate
    use material_models, only: models_t
-   use material_pore_volume, only: take_matrix_pressure, to_matrix_volume, to_matrix_volumes, &
-      to_whole_volume
+   use material_pore_volume, only: take_matrix_pressure, to_matrix_volume, to_matrix_volumes
    use material_record, only: add_strain
    use material_stages, only: stage_count, stage_deviator, stage_dilatation, stage_failed_law, &
       stage_failure, stage_pressure, stage_remove_stress, stage_restore_stress, stage_stress, &
       stage_temperature, stage_trial, stage_viscosity, stage_viscous_work, stage_voids
    use material_state, only: deformation_t, material_state_t
-   use material_stress, only: assemble_pressure, assemble_stress, integrate_pressure, &
-      take_square_root
-   use material_tension, only: cut_tension, drop_loose_pressure, fail_as_rubble, &
-      fail_with_strength, remove_failed_deviator, remove_melted_deviator
-   use material_viscosity, only: add_viscous_pressure, find_viscous_work
+   use material_tension, only: cut_tension, drop_loose_pressure, fail_particles, &
+      remove_failed_deviator, remove_melted_deviator
+   use material_viscosity, only: add_viscous_pressure
    use material_voids, only: expand_grains
    implicit none
    private
@@ -43,8 +40,7 @@ contains
    pure subroutine chain_find_rest_stress(self, state, first, last)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       ! Shorter than any time scale of the material, but still a valid divisor.
       real(wp), parameter :: instant = 1.0e-100_wp
       type(deformation_t) :: deformation
@@ -61,8 +57,7 @@ contains
    pure real(wp) function chain_signal_speed(self, state, first, last) result(speed)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(deformation_t) :: deformation
       type(material_state_t) :: solid
       integer :: count
@@ -74,7 +69,6 @@ contains
       deformation%wave_speed(:count) = 0.0_wp
       if (allocated(self%voids)) then
          solid = state
-         call deformation%voids%reserve(count)
          deformation%voids%alpha(:count) = 1.0_wp
          call self%voids%to_solid_volume(solid, deformation, first, last)
          call self%eos%update(solid, deformation, first, last)
@@ -103,8 +97,7 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       type(failed_subset_t) :: subset
@@ -124,8 +117,7 @@ contains
       integer, intent(in) :: stage                       !! One of those of material_stages
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle, not before it
+      integer, intent(in) :: first, last                 !! Particles of the range, not empty
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       type(failed_subset_t), intent(inout) :: subset     !! Failed particles, kept between stages
@@ -158,17 +150,18 @@ contains
          if (allocated(self%damage)) call self%damage%update(state, deformation, first, last, dt)
          call limit_tension(self, state, deformation, first, last)
       case (stage_viscous_work)
-         if (allocated(self%viscosity)) call find_viscous_work(first, last, &
-            state%viscous_pressure, deformation%old_volume, deformation%dilatation, &
-            deformation%viscous_work)
+         if (allocated(self%viscosity)) call find_viscous_work(state, deformation, first, last)
       case (stage_temperature)
          if (allocated(self%heat)) call update_temperature(self, state, deformation, first, last)
       case (stage_viscosity)
          call find_wave_speed(self, state, deformation, first, last, spacing/dt)
       case (stage_stress)
-         call add_pressure(self, state, deformation, first, last, spacing)
+         call assemble_stress(self, state, deformation, first, last, spacing)
       case (stage_remove_stress)
-         call remove_stress(self, state, deformation, first, last)
+         if (allocated(self%failure%fracture)) then
+            if (self%failure%fracture%leaves_nothing) &
+               call remove_failed_stress(state, deformation, first, last)
+         end if
       case default
       end select
    end subroutine chain_run_stage
@@ -176,10 +169,9 @@ contains
    !> Volume after the step, and the elastic trial of the deviator.
    pure subroutine predict_trial(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state     !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: count
 
       count = last - first + 1
@@ -191,73 +183,84 @@ contains
       if (allocated(self%law)) then
          call self%law%predict_trial(state, deformation, first, last)
       else
-         call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
-            deformation%dilatation)
+         call dilate(state, deformation, first, last)
       end if
    end subroutine predict_trial
 
    !> Viscous pressure of the next step, and the wave speed from its square.
    pure subroutine find_wave_speed(self, state, deformation, first, last, rate)
       class(chain_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state     !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-      real(wp), intent(in) :: rate                       !! Cell size over time step [m/s]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp), intent(in) :: rate                         !! Cell size over time step [m/s]
+      integer :: i
 
       if (.not. allocated(self%viscosity)) then
-         call take_square_root(last - first + 1, deformation%wave_speed)
+         do concurrent (i=1:last - first + 1)
+            deformation%wave_speed(i) = sqrt(deformation%wave_speed(i))
+         end do
       else if (self%viscosity%limited) then
-         call add_viscous_pressure(first, last, self%viscosity, rate, state%mass, state%volume, &
-            deformation%jump, state%viscous_pressure, deformation%pressure, &
-            deformation%wave_speed)
+         call add_viscous_pressure(self%viscosity, rate, deformation%jump, state, deformation, &
+            first, last)
       else
-         call add_viscous_pressure(first, last, self%viscosity, rate, state%mass, state%volume, &
-            deformation%dilatation, state%viscous_pressure, deformation%pressure, &
-            deformation%wave_speed)
+         call add_viscous_pressure(self%viscosity, rate, deformation%dilatation, state, &
+            deformation, first, last)
       end if
    end subroutine find_wave_speed
 
    !> Stress from deviator and pressure, and the contribution of the viscosity of a law to the wave
-   !! speed.
-   pure subroutine add_pressure(self, state, deformation, first, last, spacing)
+   !! speed. Equation (A.6).
+   pure subroutine assemble_stress(self, state, deformation, first, last, spacing)
       class(chain_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state     !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-      real(wp), intent(in) :: spacing                    !! Cell size [m]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp), intent(in) :: spacing                      !! Cell size [m]
+      integer :: i, k
 
       if (allocated(self%law)) then
          call self%law%add_viscous_speed(state, deformation, first, last, spacing)
-         call assemble_stress(first, last, deformation%pressure, state%stress)
+         do concurrent (i=1:last - first + 1)
+            k = first - 1 + i
+            state%stress(k, 1) = state%stress(k, 1) - deformation%pressure(i)
+            state%stress(k, 2) = state%stress(k, 2) - deformation%pressure(i)
+            state%stress(k, 3) = state%stress(k, 3) - deformation%pressure(i)
+         end do
       else
-         call assemble_pressure(first, last, deformation%pressure, state%stress)
+         do concurrent (i=1:last - first + 1)
+            k = first - 1 + i
+            state%stress(k, 1) = -deformation%pressure(i)
+            state%stress(k, 2) = -deformation%pressure(i)
+            state%stress(k, 3) = -deformation%pressure(i)
+         end do
       end if
-   end subroutine add_pressure
+   end subroutine assemble_stress
 
-   !> Set the stress of failed particles to zero, if requested.
-   pure subroutine remove_stress(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+   !> Work of the viscous pressure that was part of the force of the step, so that it balances the
+   !! work that the force did. It can be negative for the one step in which compression ends.
+   !! Equation (L.4) of doc/theory/ledger.md.
+   pure subroutine find_viscous_work(state, deformation, first, last)
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: i
 
-      if (.not. allocated(self%failure%fracture)) return
-      if (.not. self%failure%fracture%leaves_nothing) return
-      call remove_failed_stress(first, last, state%failed, state%stress, deformation%wave_speed)
-      if (allocated(self%viscosity)) state%viscous_pressure(first:last) = &
-         merge(0.0_wp, state%viscous_pressure(first:last), state%failed(first:last) /= 0)
-   end subroutine remove_stress
+      do concurrent (i=1:last - first + 1)
+         deformation%viscous_work(i) = -state%viscous_pressure(first - 1 + i) &
+            *deformation%dilatation(i)*deformation%old_volume(i)
+      end do
+   end subroutine find_viscous_work
 
-   !> Pressure of the material, and the square of its wave speed without strength.
+   !> Pressure of the material, and the square of its wave speed without strength. Without equation
+   !! of state the mean stress has a rate form, dp = -K tr(strain). Equation (A.4) of
+   !! doc/theory/matter.md.
    pure subroutine update_pressure(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: i, k
 
       if (allocated(self%voids)) then
          call self%voids%to_solid_volume(state, deformation, first, last)
@@ -270,15 +273,19 @@ contains
          call take_matrix_pressure(state, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(state, deformation, first, last)
-         if (allocated(self%burn)) call self%burn%apply(first, last, state%burn_time, &
-            state%mass, state%volume, deformation%pressure)
+         if (allocated(self%burn)) call self%burn%apply(state, deformation, first, last)
          call add_bulking(state, deformation, first, last)
          call self%eos%keep_state(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
             deformation%pressure(:last - first + 1) - state%viscous_pressure(first:last)
-         call integrate_pressure(first, last, self%bulk, state%mass, state%volume, &
-            deformation%dilatation, deformation%pressure, deformation%wave_speed)
+         associate (bulk => self%bulk)
+            do concurrent (i=1:last - first + 1)
+               k = first - 1 + i
+               deformation%pressure(i) = deformation%pressure(i) - bulk*deformation%dilatation(i)
+               deformation%wave_speed(i) = bulk*state%volume(k)/state%mass(k)
+            end do
+         end associate
       else
          deformation%wave_speed(:last - first + 1) = 0.0_wp
       end if
@@ -288,8 +295,7 @@ contains
    pure subroutine add_bulking(state, deformation, first, last)
       type(material_state_t), intent(in) :: state               !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
 
       if (allocated(state%brittle%bulking)) deformation%pressure(:last - first + 1) = &
          deformation%pressure(:last - first + 1) + state%brittle%bulking(first:last)
@@ -300,68 +306,40 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
 
       ! Before the law, so that material without strength does not flow plastically.
-      if (drops(self)) call remove_failed_deviator(first, last, state%failed, state%stress)
-      if (allocated(self%melting)) &
-         call remove_melted_deviator(first, last, self%melting, state%temperature, state%stress)
+      if (allocated(self%failure%failed_law)) then
+         call remove_failed_deviator(state, first, last)
+      else if (allocated(self%failure%fracture)) then
+         if (.not. self%failure%fracture%leaves_strength) &
+            call remove_failed_deviator(state, first, last)
+      end if
+      if (allocated(self%melting)) call remove_melted_deviator(self%melting, state, first, last)
       call self%law%update(state, deformation, first, last, dt)
       call self%law%add_wave_speed(state, deformation, first, last)
    end subroutine update_deviator
-
-   !> True if failed material loses its deviator before the law of strength.
-   pure logical function drops(self) result(must_not)
-      class(chain_t), intent(in) :: self
-
-      must_not = .false.
-      if (allocated(self%failure%fracture)) must_not = allocated(self%failure%failed_law) .or. &
-         .not. self%failure%fracture%leaves_strength
-   end function drops
-
-   !> Let particles fail.
-   pure subroutine break_or_fail(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-
-      if (self%failure%fracture%leaves_strength) then
-         call fail_with_strength(first, last, self%failure%fracture%strength, self%bulk, &
-            state%volume, deformation%pressure, deformation%pressure_floor, state%damage, &
-            state%failed, deformation%plastic_work)
-      else
-         call fail_as_rubble(first, last, self%failure%fracture%strength, self%shear, self%bulk, &
-            state%volume, state%stress, deformation%pressure, deformation%pressure_floor, &
-            state%damage, state%failed, deformation%plastic_work)
-      end if
-   end subroutine break_or_fail
 
    !> Cut the tension or let particles fail.
    pure subroutine limit_tension(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
 
       if (allocated(self%failure%fracture)) then
-         call break_or_fail(self, state, deformation, first, last)
-         if (.not. allocated(self%eos)) call drop_loose_pressure(first, last, self%density, &
-            self%bulk, &
-            state%mass, state%volume, state%failed, deformation%pressure, &
-            deformation%wave_speed)
+         call fail_particles(self%failure%fracture, self%shear, self%bulk, state, deformation, &
+            first, last)
+         if (.not. allocated(self%eos)) call drop_loose_pressure(self%density, self%bulk, state, &
+            deformation, first, last)
       else if (allocated(self%failure%spall)) then
-         call cut_tension(first, last, self%failure%spall%strength, deformation%pressure, &
-            deformation%pressure_floor)
+         call cut_tension(self%failure%spall%strength, deformation, last - first + 1)
       else if (allocated(self%heat)) then
          deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
       end if
-      if (allocated(self%melting)) call cut_melted_tension(first, last, self%melting, &
-         state%temperature, deformation%pressure, deformation%pressure_floor)
+      if (allocated(self%melting)) &
+         call cut_melted_tension(self%melting, state, deformation, first, last)
    end subroutine limit_tension
 
    !> Temperature after the step.
@@ -369,9 +347,9 @@ contains
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp) :: plastic_share
+      logical :: given
 
       plastic_share = 0.9_wp
       if (allocated(self%law)) then
@@ -384,50 +362,28 @@ contains
       if (allocated(self%voids)) call self%voids%to_solid_volumes(state, deformation, first, last)
       if (allocated(state%pores%porosity)) &
          call to_matrix_volumes(state, deformation, first, last)
-      if (has_temperature(self)) then
+      given = .false.
+      if (allocated(self%eos)) given = self%eos%gives_temperature()
+      if (given) then
          call self%eos%find_temperature(state, first, last)
       else
          deformation%gruneisen(:last - first + 1) = 0.0_wp
          if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
-         call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
-            deformation%gruneisen, state%mass, state%volume, deformation%old_volume, &
-            deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
-            deformation%viscous_work, state%temperature)
+         call heat_particles(self%heat%specific_heat, plastic_share, state, deformation, first, &
+            last)
       end if
-      if (allocated(state%pores%porosity)) &
-         call to_whole_volume(state, deformation, first, last)
-      if (.not. allocated(self%voids)) return
-      state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
-      call expand_grains(first, last, self%voids%expansion, state%temperature, &
-         deformation%voids%old_temperature, state%solid_fraction)
+      if (allocated(state%pores%porosity) .or. allocated(self%voids)) &
+         state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
+      if (allocated(self%voids)) call expand_grains(self%voids%expansion, state, deformation, &
+         first, last)
    end subroutine update_temperature
-
-   !> True if the equation of state gives the temperature.
-   pure logical function has_temperature(self) result(has)
-      class(chain_t), intent(in) :: self
-
-      has = .false.
-      if (allocated(self%eos)) has = self%eos%gives_temperature()
-   end function has_temperature
-
-   !> True if a particle has failed and keeps no stress.
-   pure logical function gone(self, state, particle) result(is_gone)
-      class(chain_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                       !! Index in the store
-
-      is_gone = .false.
-      if (.not. allocated(self%failure%fracture)) return
-      is_gone = self%failure%fracture%leaves_nothing .and. state%failed(particle) /= 0
-   end function gone
 
    !> Internal energy [J] of particles: the energy field if there is one, otherwise the elastic
    !! energy. Equation (L.2) of doc/theory/ledger.md.
    pure subroutine chain_stored_energy(self, state, first, last, energy)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
       real(wp) :: limit, pressure, volume
       integer :: i, k
@@ -439,7 +395,9 @@ contains
             cycle
          end if
          energy(i) = 0.0_wp
-         if (gone(self, state, k)) cycle
+         if (allocated(self%failure%fracture)) then
+            if (self%failure%fracture%leaves_nothing .and. state%failed(k) /= 0) cycle
+         end if
          limit = -huge(1.0_wp)
          if (allocated(self%law)) then
             energy(i) = self%law%stored_energy(state, k)

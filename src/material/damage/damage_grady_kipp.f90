@@ -34,7 +34,6 @@ module damage_grady_kipp
    contains
       procedure :: declare => grady_kipp_declare     !! Declares its keys
       procedure :: needs_flow => grady_kipp_needs_flow !! Returns false
-      procedure :: takes_scatter => grady_kipp_takes_scatter !! Returns true
       procedure :: needs_weibull => grady_kipp_needs_weibull !! Always, for the flaws
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Requests damage and scatter
@@ -66,13 +65,6 @@ contains
 
       needs = .false.
    end function grady_kipp_needs_flow
-
-   !> The weakest flaw may differ between particles.
-   pure logical function grady_kipp_takes_scatter(self) result(takes)
-      class(damage_grady_kipp_t), intent(in) :: self
-
-      takes = .true.
-   end function grady_kipp_takes_scatter
 
    !> The Weibull modulus is always needed: it is the exponent m of the number of flaws.
    pure logical function grady_kipp_needs_weibull(self, scatter) result(needs)
@@ -108,8 +100,7 @@ contains
       class(damage_grady_kipp_t), intent(in) :: self
       integer(int64), intent(in) :: seed                   !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
       real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
       integer :: k
@@ -122,59 +113,38 @@ contains
    !> Let the flaws of strained particles grow.
    pure subroutine grady_kipp_update(self, state, deformation, first, last, dt)
       class(damage_grady_kipp_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      integer :: count
-
-      count = last - first + 1
-      call deformation%damage%reserve(count)
-      call bound_deviator(first, last, state%stress, deformation%damage%bound)
-      if (self%scatters) then
-         deformation%damage%scatter(:count) = state%brittle%scatter(first:last)
-      else
-         deformation%damage%scatter(:count) = 1.0_wp
-      end if
-      call grow(self, first, last, dt, deformation%pressure, deformation%damage%bound, &
-         deformation%damage%scatter, state%mass, state%stress, state%damage)
-   end subroutine grady_kipp_update
-
-   !> Kernel of the above.
-   pure subroutine grow(model, first, last, dt, pressure, bound, weakest, mass, stress, damage)
-      class(damage_grady_kipp_t), intent(in) :: model
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      real(wp), intent(in) :: dt                           !! Time step [s]
-      real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: bound(:) !! Bound of the principal deviators (range) [Pa]
-      !> Mean number of flaws at which the weakest one grows (range) [1]
-      real(wp), contiguous, intent(in) :: weakest(:)
-      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
-      real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: damage(:)     !! (store) [1]
       real(wp), parameter :: third = 1.0_wp/3.0_wp
-      real(wp) :: strain, speed, volume, number, radius, greatest, least
+      real(wp) :: strain, speed, volume, number, radius, weakest, greatest, least
       integer :: i, k
 
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
       ! A gas has no bulk modulus at rest and no elastic strain.
-      if (.not. model%bulk > 0.0_wp) return
-      speed = model%share*sqrt((model%bulk + 4.0_wp/3.0_wp*model%shear)/model%density)
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         strain = 0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk)
-         if (strain <= 0.0_wp .or. damage(k) >= 1.0_wp) cycle
-         volume = model%slice%volume(mass(k), model%density)
-         if (model%flaws*volume*power(strain, model%exponent) < weakest(i)) cycle
-         call find_extremes(stress, k, greatest, least)
-         strain = 0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk)
-         number = model%flaws*volume*power(max(strain, 0.0_wp), model%exponent) &
-            - weakest(i) + 1.0_wp
-         if (number < 1.0_wp) cycle
-         radius = power(0.75_wp*volume/pi, third)
-         damage(k) = min(1.0_wp, (power(damage(k), third) &
-            + power(number, third)*speed*dt/radius)**3)
-      end do
-   end subroutine grow
+      if (.not. self%bulk > 0.0_wp) return
+      speed = self%share*sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
+      ! Mean number of flaws at which the weakest one grows.
+      weakest = 1.0_wp
+      associate (pressure => deformation%pressure, damage => state%damage)
+         do i = 1, last - first + 1
+            k = first - 1 + i
+            strain = 0.5_wp*deformation%damage%bound(i)/self%shear &
+               - pressure(i)/(3.0_wp*self%bulk)
+            if (strain <= 0.0_wp .or. damage(k) >= 1.0_wp) cycle
+            if (self%scatters) weakest = state%brittle%scatter(k)
+            volume = self%slice%volume(state%mass(k), self%density)
+            if (self%flaws*volume*power(strain, self%exponent) < weakest) cycle
+            call find_extremes(state%stress, k, greatest, least)
+            strain = 0.5_wp*greatest/self%shear - pressure(i)/(3.0_wp*self%bulk)
+            number = self%flaws*volume*power(max(strain, 0.0_wp), self%exponent) &
+               - weakest + 1.0_wp
+            if (number < 1.0_wp) cycle
+            radius = power(0.75_wp*volume/pi, third)
+            damage(k) = min(1.0_wp, (power(damage(k), third) &
+               + power(number, third)*speed*dt/radius)**3)
+         end do
+      end associate
+   end subroutine grady_kipp_update
 end module damage_grady_kipp

@@ -10,11 +10,10 @@ module damage_jh2
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use law_jh2, only: strain_rate
+   use law_jh2, only: jh2_t, strain_rate
    use material_damage, only: damage_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
-   use material_jh2, only: jh2_t
    use material_law, only: law_t
    use material_state, only: deformation_t, material_state_t
    implicit none
@@ -102,77 +101,58 @@ contains
    !> Let the damage of flowing particles grow.
    pure subroutine damage_jh2_update(self, state, deformation, first, last, dt)
       class(damage_jh2_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      integer :: count
-
-      count = last - first + 1
-      ! Data for the bulking: the damage before the step, and the rate factor of the strength.
-      deformation%strength%old_damage(:count) = state%damage(first:last)
-      call grow(self, first, last, deformation%pressure, deformation%plastic_increment, &
-         state%damage)
-      if (.not. allocated(state%brittle%bulking)) return
-      call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
-      call gain_pressure(self, first, last, deformation%strength%old_damage, &
-         deformation%strength%strain_rate, state%damage, state%mass, state%volume, &
-         state%brittle%bulking, deformation%pressure)
-   end subroutine damage_jh2_update
-
-   !> Add the damage increment of the step of the particles that flow.
-   pure subroutine grow(model, first, last, pressure, plastic_increment, damage)
-      class(damage_jh2_t), intent(in) :: model
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      real(wp), contiguous, intent(in) :: pressure(:)            !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: plastic_increment(:)   !! (range) [1]
-      real(wp), contiguous, intent(inout) :: damage(:)           !! (store) [1]
       real(wp) :: strain
       integer :: i, k
 
-      do i = 1, last - first + 1
-         if (.not. plastic_increment(i) > 0.0_wp) cycle
-         k = first - 1 + i
-         strain = model%factor*power(max(0.0_wp, pressure(i) + model%constants%tension) &
-            /model%constants%pressure, model%exponent)
-         if (plastic_increment(i) < (1.0_wp - damage(k))*strain) then
-            damage(k) = damage(k) + plastic_increment(i)/strain
-         else
-            damage(k) = 1.0_wp
-         end if
-      end do
-   end subroutine grow
+      ! Data for the bulking: the damage before the step, and the rate factor of the strength.
+      deformation%strength%old_damage(:last - first + 1) = state%damage(first:last)
+      associate (increment => deformation%plastic_increment, damage => state%damage)
+         do i = 1, last - first + 1
+            if (.not. increment(i) > 0.0_wp) cycle
+            k = first - 1 + i
+            strain = self%factor*power(max(0.0_wp, deformation%pressure(i) &
+               + self%constants%tension)/self%constants%pressure, self%exponent)
+            if (increment(i) < (1.0_wp - damage(k))*strain) then
+               damage(k) = damage(k) + increment(i)/strain
+            else
+               damage(k) = 1.0_wp
+            end if
+         end do
+      end associate
+      if (.not. allocated(state%brittle%bulking)) return
+      call strain_rate(last - first + 1, deformation%gradient, dt, &
+         deformation%strength%strain_rate)
+      call gain_pressure(self, state, deformation, first, last)
+   end subroutine damage_jh2_update
 
    !> Pressure dp that the energy dU = (Y**2(D) - Y**2(D'))/(6 G) lost from the shear makes; in
    !! compressed material dp' = -K mu + sqrt((K mu + dp)**2 + 2 beta K dU), mu = rho/rho0 - 1.
    !! Equation (F.16).
-   pure subroutine gain_pressure(model, first, last, old_damage, rate, damage, mass, volume, &
-      bulking, pressure)
+   pure subroutine gain_pressure(model, state, deformation, first, last)
       class(damage_jh2_t), intent(in) :: model
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      real(wp), contiguous, intent(in) :: old_damage(:)    !! Before the step (range) [1]
-      real(wp), contiguous, intent(in) :: rate(:)          !! Strain rate (range) [1/s]
-      real(wp), contiguous, intent(in) :: damage(:)        !! After it (store) [1]
-      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)        !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: bulking(:)    !! dp (store) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: before, after, linear, gained
       integer :: i, k
 
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         linear = model%bulk*(mass(k)/(model%density*volume(k)) - 1.0_wp)
-         if (.not. (damage(k) > old_damage(i) .and. linear > 0.0_wp)) cycle
-         before = model%constants%strength(pressure(i), rate(i), old_damage(i))
-         after = model%constants%strength(pressure(i), rate(i), damage(k))
-         gained = sqrt((linear + bulking(k))**2 + 2.0_wp*model%share*model%bulk &
-            *max(0.0_wp, before**2 - after**2)/(6.0_wp*model%shear)) - linear - bulking(k)
-         bulking(k) = bulking(k) + gained
-         pressure(i) = pressure(i) + gained
-      end do
+      associate (pressure => deformation%pressure, rate => deformation%strength%strain_rate, &
+         old_damage => deformation%strength%old_damage, bulking => state%brittle%bulking)
+         do i = 1, last - first + 1
+            k = first - 1 + i
+            linear = model%bulk*(state%mass(k)/(model%density*state%volume(k)) - 1.0_wp)
+            if (.not. (state%damage(k) > old_damage(i) .and. linear > 0.0_wp)) cycle
+            before = model%constants%strength(pressure(i), rate(i), old_damage(i))
+            after = model%constants%strength(pressure(i), rate(i), state%damage(k))
+            gained = sqrt((linear + bulking(k))**2 + 2.0_wp*model%share*model%bulk &
+               *max(0.0_wp, before**2 - after**2)/(6.0_wp*model%shear)) - linear - bulking(k)
+            bulking(k) = bulking(k) + gained
+            pressure(i) = pressure(i) + gained
+         end do
+      end associate
    end subroutine gain_pressure
 end module damage_jh2

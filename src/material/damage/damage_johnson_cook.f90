@@ -72,10 +72,8 @@ contains
       else
          self%coefficient(4) = 0.0_wp
       end if
-      if (effects%thermal .and. abs(self%coefficient(5)) > 0.0_wp) then
-         allocate (self%range)
+      if (effects%thermal .and. abs(self%coefficient(5)) > 0.0_wp) &
          call read_melting_range(group, self%range)
-      end if
    end subroutine johnson_cook_read
 
    !> Damage grows with the plastic strain; the strain to failure may depend on temperature.
@@ -129,85 +127,50 @@ contains
       end do
    end subroutine find_failure_strains
 
-   !> Let the damage of flowing particles grow.
+   !> Let the damage of flowing particles grow, group by group.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
       class(damage_johnson_cook_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
+      integer :: place(most_lanes), i, lanes, offset, most
 
-      if (allocated(self%range)) then
-         call homologous_temperature(first, last, self%range, state%temperature, &
-            deformation%strength%homologous)
-      else
-         deformation%strength%homologous(1:last - first + 1) = 0.0_wp
-      end if
-      call grow(self, first, last, dt, state%stress, deformation%pressure, &
-         deformation%plastic_increment, deformation%strength%homologous, state%damage)
+      call homologous_temperature(self%range, state, deformation, first, last)
+      do offset = 0, last - first, most_lanes
+         most = min(offset + most_lanes, last - first + 1)
+         if (count(deformation%plastic_increment(offset + 1:most) > 0.0_wp) == 0) cycle
+         lanes = 0
+         do i = offset + 1, most
+            if (.not. deformation%plastic_increment(i) > 0.0_wp) cycle
+            lanes = lanes + 1
+            place(lanes) = i
+         end do
+         call grow_lanes(self, lanes, place, first - 1, dt, state, deformation)
+      end do
    end subroutine johnson_cook_update
 
-   !> Add the damage increment of the step of the particles that flow.
-   pure subroutine grow(model, first, last, dt, stress, pressure, plastic_increment, homologous, &
-      damage)
-      class(damage_johnson_cook_t), intent(in) :: model
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      real(wp), intent(in) :: dt                           !! Time step [s]
-      real(wp), contiguous, intent(in) :: stress(:, :)           !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(in) :: pressure(:)            !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: plastic_increment(:)   !! (range) [1]
-      real(wp), contiguous, intent(in) :: homologous(:)          !! (range) [1]
-      real(wp), contiguous, intent(inout) :: damage(:)           !! (store) [1]
-      real(wp) :: flowing
-      integer :: place(most_lanes), count, i, offset
-
-      do offset = 0, last - first, most_lanes
-         flowing = 0.0_wp
-         !$omp simd reduction(+: flowing)
-         do i = offset + 1, min(offset + most_lanes, last - first + 1)
-            flowing = flowing + merge(1.0_wp, 0.0_wp, plastic_increment(i) > 0.0_wp)
-         end do
-         if (.not. flowing > 0.0_wp) cycle
-         count = 0
-         do i = offset + 1, min(offset + most_lanes, last - first + 1)
-            if (.not. plastic_increment(i) > 0.0_wp) cycle
-            count = count + 1
-            place(count) = i
-         end do
-         if (count == 0) cycle
-         ! filled up to whole vectors
-         place(count + 1:width*((count + width - 1)/width)) = place(1)
-         call grow_lanes(model, count, width*((count + width - 1)/width), place, first - 1, dt, &
-            stress, pressure, plastic_increment, homologous, damage)
-      end do
-   end subroutine grow
-
-   !> Kernel of the above: a group of particles that flow.
-   ! gate: long kernel because the strain to failure depends on four fields
-   pure subroutine grow_lanes(model, count, filled, place, before, dt, stress, pressure, &
-      plastic_increment, homologous, damage)
+   !> Add the damage increment of the step of a group of particles that flow.
+   pure subroutine grow_lanes(model, count, place, before, dt, state, deformation)
       class(damage_johnson_cook_t), intent(in) :: model
       integer, intent(in) :: count                         !! Particles of the group
-      integer, intent(in) :: filled                        !! Lanes, whole vectors
-      integer, intent(in) :: place(most_lanes)             !! In the range, of a lane
+      integer, intent(inout) :: place(most_lanes)          !! In the range, of a lane
       integer, intent(in) :: before !! Number of particles of the store before the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      real(wp), contiguous, intent(in) :: stress(:, :)           !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(in) :: pressure(:)            !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: plastic_increment(:)   !! (range) [1]
-      real(wp), contiguous, intent(in) :: homologous(:)          !! (range) [1]
-      real(wp), contiguous, intent(inout) :: damage(:)           !! (store) [1]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(in) :: deformation       !! Step of the range
       real(wp) :: strain(most_lanes), rate(most_lanes), flow(most_lanes), mean
-      integer :: k, l
+      integer :: filled, k, l
 
+      ! filled up to whole vectors
+      filled = width*((count + width - 1)/width)
+      place(count + 1:filled) = place(1)
       do l = 1, filled
          k = before + place(l)
-         flow(l) = stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
-            + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)
-         strain(l) = pressure(place(l))
-         rate(l) = plastic_increment(place(l))/dt
+         flow(l) = state%stress(k, 1)**2 + state%stress(k, 2)**2 + state%stress(k, 3)**2 &
+            + 2.0_wp*(state%stress(k, 4)**2 + state%stress(k, 5)**2 + state%stress(k, 6)**2)
+         strain(l) = deformation%pressure(place(l))
+         rate(l) = deformation%plastic_increment(place(l))/dt
       end do
       !$omp simd private(mean)
       do l = 1, filled
@@ -219,9 +182,10 @@ contains
       call find_failure_strains(model, filled, rate, strain)
       do l = 1, count
          k = before + place(l)
-         strain(l) = max(least_strain, strain(l) &
-            *(1.0_wp + model%coefficient(5)*homologous(place(l))))
-         damage(k) = min(1.0_wp, damage(k) + plastic_increment(place(l))/strain(l))
+         strain(l) = max(least_strain, strain(l)*(1.0_wp + model%coefficient(5) &
+            *deformation%strength%homologous(place(l))))
+         state%damage(k) = min(1.0_wp, state%damage(k) + deformation%plastic_increment(place(l)) &
+            /strain(l))
       end do
    end subroutine grow_lanes
 end module damage_johnson_cook

@@ -4,7 +4,6 @@
 module damage_porosity
    use base_kinds, only: wp
    use deck_group_values, only: group_t
-   use deck_schema, only: schema_t
    use material_damage, only: damage_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
@@ -19,7 +18,6 @@ module damage_porosity
    type, extends(damage_t) :: damage_porosity_t
       real(wp) :: final = 1.0_wp                     !! Porosity of failure [1]
    contains
-      procedure :: declare => porosity_declare       !! No keys
       procedure :: fault => porosity_fault           !! A law without pores
       procedure :: read => porosity_read             !! Reads the porosity of failure
       procedure :: request => porosity_request       !! Requests damage
@@ -27,12 +25,6 @@ module damage_porosity
    end type damage_porosity_t
 
 contains
-
-   !> The law of strength declares the porosity at which the strength vanishes.
-   subroutine porosity_declare(self, schema)
-      class(damage_porosity_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema
-   end subroutine porosity_declare
 
    !> Error in the combination of the keys; empty if there is none.
    pure function porosity_fault(self, group, law) result(text)
@@ -74,15 +66,12 @@ contains
       class(damage_porosity_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: i
 
-      associate (damage => state%damage, porosity => state%pores%porosity, final => self%final)
-         do concurrent (i=first:last)
-            damage(i) = min(1.0_wp, max(damage(i), porosity(i)/final))
-         end do
-      end associate
+      do concurrent (i=first:last)
+         state%damage(i) = min(1.0_wp, max(state%damage(i), state%pores%porosity(i)/self%final))
+      end do
    end subroutine porosity_update
 end module damage_porosity

@@ -5,14 +5,12 @@ module material_brittle
    use base_elementary, only: logarithm, power
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform
-   use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use material_delay, only: declare_delay
    use material_principal, only: principal
    implicit none
    private
 
-   public :: declare_brittle, draw_weibull, random_exponential, find_extremes, read_weibull, &
+   public :: declare_brittle, random_exponential, find_extremes, &
       bound_deviator, slice_t, weibull_t
 
    !> Scatter of strength after W. Weibull, J. Appl. Mech. 18 (1951) 293: the probability that a
@@ -35,26 +33,24 @@ contains
    !> Declare the keys common to several models.
    subroutine declare_brittle(schema)
       type(schema_t), intent(inout) :: schema
+      character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
+         "principal_strain"
 
-      call declare_delay(schema)
+      call schema%real("material", "failure_delay", &
+         "time to failure under a load above the strength", unit="s", default="0", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "failure_delay_power", "exponent p of the time to failure, "// &
+         "failure_delay / (load/strength - 1)**p; with 0 it does not depend on the load", &
+         default="0", range=">= 0 <= 30", owner=owner)
       call schema%real("material", "weibull_m", "Weibull modulus of the strength, or exponent "// &
          "of the number of flaws over strain (Grady-Kipp)", range="> 0", &
-         owner="effects.damage & damage_model = principal_stress principal_strain grady_kipp")
+         owner=owner//" grady_kipp")
       call schema%real("material", "weibull_volume", "volume to which the given strength "// &
          "applies; without it strength does not depend on size", unit="m3", range="> 0", &
          owner="effects.size_scatter & damage_model = principal_stress principal_strain")
       call schema%forbid_change("material", "weibull_m weibull_volume", "the strengths of the "// &
          "particles were drawn with it")
    end subroutine declare_brittle
-
-   !> Read the scatter.
-   pure subroutine read_weibull(group, weibull)
-      type(group_t), intent(in) :: group             !! &material
-      type(weibull_t), intent(out) :: weibull        !! Modulus and volume
-
-      if (group%given("weibull_m")) call group%get("weibull_m", weibull%modulus)
-      if (group%given("weibull_volume")) call group%get("weibull_volume", weibull%volume)
-   end subroutine read_weibull
 
    !> Reference volume that a particle represents, on which its strength depends: its own volume; in
    !! one dimension the cube of its length and in plane strain that of the square root of its area,
@@ -79,35 +75,10 @@ contains
       number = -logarithm(random_uniform(seed, identity, draw))
    end function random_exponential
 
-   !> Strength of particles divided by the characteristic strength, (-ln U V0/V)**(1/m). Equation
-   !! (F.5).
-   pure subroutine draw_weibull(weibull, slice, density, seed, identity, first, last, mass, &
-      scatter)
-      type(weibull_t), intent(in) :: weibull         !! Modulus and volume
-      type(slice_t), intent(in) :: slice             !! Extent in the other directions
-      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
-      integer(int64), intent(in) :: seed             !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(inout) :: scatter(:) !! (store) [1]
-      real(wp) :: number
-      integer :: k
-
-      do k = first, last
-         number = random_exponential(seed, identity(k))
-         if (weibull%volume > 0.0_wp) number = number*weibull%volume &
-            /slice%volume(mass(k), density)
-         scatter(k) = power(number, 1.0_wp/weibull%modulus)
-      end do
-   end subroutine draw_weibull
-
    !> Upper bound of the principal values of the deviator: 2/3 of the equivalent stress. Where the
    !! bound is below the strength, as for most particles, principal values need not be computed.
    pure subroutine bound_deviator(first, last, stress, bound)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: stress(:, :)  !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: bound(:)   !! (range) [Pa]
       integer :: i, k
@@ -126,11 +97,8 @@ contains
       real(wp), intent(out) :: greatest              !! [Pa]
       real(wp), intent(out) :: least                 !! [Pa]
       real(wp) :: tensor(6), values(3), axes(3, 3)
-      integer :: column
 
-      do column = 1, 6
-         tensor(column) = stress(particle, column)
-      end do
+      tensor(:) = stress(particle, 1:6)
       call principal(tensor, values, axes)
       greatest = values(1)
       least = values(3)

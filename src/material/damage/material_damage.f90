@@ -21,10 +21,9 @@ module material_damage
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
       type(slice_t) :: slice                         !! Extent in directions that are not computed
    contains
-      procedure(declare_i), deferred :: declare      !! Declares its keys
+      procedure :: declare => damage_declare         !! Declares its keys, if it has any
       procedure :: fault => damage_fault             !! Error in the combination of its keys
       procedure :: needs_flow => damage_needs_flow   !! True if it uses plastic strain
-      procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
       procedure :: needs_weibull => damage_needs_weibull !! True if it needs a Weibull modulus
       procedure :: uses_jc_rate => damage_uses_jc_rate !! True if it reads the key jc_rate
       !> True if the law of strength also gives the stress of failed material
@@ -36,13 +35,6 @@ module material_damage
    end type damage_t
 
    abstract interface
-      subroutine declare_i(self, schema)
-         import :: damage_t, schema_t
-         implicit none
-         class(damage_t), intent(in) :: self
-         type(schema_t), intent(inout) :: schema
-      end subroutine declare_i
-
       pure subroutine read_i(self, group, effects)
          import :: damage_t, effects_t, group_t
          implicit none
@@ -66,13 +58,18 @@ module material_damage
          class(damage_t), intent(in) :: self
          type(material_state_t), intent(inout) :: state               !! State of the store
          type(deformation_t), intent(inout) :: deformation     !! Step of the range
-         integer, intent(in) :: first                          !! First particle of the range
-         integer, intent(in) :: last                           !! Last particle of the range
+         integer, intent(in) :: first, last                    !! Particles of the range
          real(wp), intent(in) :: dt                            !! Time step [s]
       end subroutine update_i
    end interface
 
 contains
+
+   !> Declare the keys of &material that belong to the model. Most models override this.
+   subroutine damage_declare(self, schema)
+      class(damage_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
+   end subroutine damage_declare
 
    !> Error in the combination of the keys of the model; empty if there is none.
    pure function damage_fault(self, group, law) result(text)
@@ -91,19 +88,12 @@ contains
       needs = .true.
    end function damage_needs_flow
 
-   !> True if the strength of particles may scatter.
-   pure logical function damage_takes_scatter(self) result(takes)
-      class(damage_t), intent(in) :: self
-
-      takes = .false.
-   end function damage_takes_scatter
-
-   !> True if the model needs a Weibull modulus; by default if its strength scatters.
+   !> True if the model needs a Weibull modulus.
    pure logical function damage_needs_weibull(self, scatter) result(needs)
       class(damage_t), intent(in) :: self
       logical, intent(in) :: scatter                           !! Switch size_scatter of &effects
 
-      needs = scatter .and. self%takes_scatter()
+      needs = .false.
    end function damage_needs_weibull
 
    !> True if the model reads the key jc_rate, common to several models.
@@ -126,8 +116,7 @@ contains
       class(damage_t), intent(in) :: self
       integer(int64), intent(in) :: seed                       !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
       real(wp), contiguous, intent(in) :: mass(:)              !! (store) [kg]
       real(wp), contiguous, intent(inout) :: scatter(:)        !! Random strength (store) [1]
 

@@ -12,12 +12,12 @@ module material_failed
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
    use law_drucker_prager, only: law_drucker_prager_t
-   use law_granular, only: law_granular_t
+   use law_granular, only: inverse_key, law_granular_t
    use material_friction, only: angles_t
    use material_law, only: law_t
    use material_softening, only: softening_t
    use material_state, only: deformation_t, material_state_t
-   use material_tension, only: fracture_t, spall_t
+   use material_tension, only: fracture_t, remove_failed_deviator, spall_t
    implicit none
    private
 
@@ -117,19 +117,12 @@ contains
       type(law_drucker_prager_t) :: frictional
       type(angles_t) :: angles
       character(len=:), allocatable :: word
-      real(wp) :: number
 
       call group%get("failed_as", word)
       select case (word)
       case ("granular")
-         if (group%given("failed_tau")) then
-            call group%get("failed_tau", number)
-            granular%relaxation_rate = 1.0_wp/number
-         end if
-         if (group%given("failed_gamma_c")) then
-            call group%get("failed_gamma_c", number)
-            granular%inverse_contact_strain = 1.0_wp/number
-         end if
+         granular%relaxation_rate = inverse_key(group, "failed_tau")
+         granular%inverse_contact_strain = inverse_key(group, "failed_gamma_c")
          allocate (failed_law)
          allocate (failed_law%law, source=granular)
       case ("drucker_prager")
@@ -152,15 +145,11 @@ contains
       class(failed_law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       type(failed_subset_t), intent(out) :: subset         !! Failed particles
-      integer :: i, k, n, column
+      integer :: i, n, column
 
-      n = 0
-      do k = first, last
-         n = n + int(state%failed(k))
-      end do
+      n = int(sum(state%failed(first:last)))
       subset%count = n
       if (n == 0) return
       allocate (subset%position(n), subset%released(n), subset%state%mass(n), &
@@ -172,20 +161,13 @@ contains
          n = n + 1
          subset%position(n) = i
       end do
-      do i = 1, n
-         subset%state%mass(i) = state%mass(first - 1 + subset%position(i))
-         subset%state%volume(i) = state%volume(first - 1 + subset%position(i))
-      end do
+      subset%state%mass(:) = state%mass(first - 1 + subset%position)
+      subset%state%volume(:) = state%volume(first - 1 + subset%position)
       do column = 1, 6
-         do i = 1, n
-            subset%state%stress(i, column) = state%stress(first - 1 + subset%position(i), column)
-         end do
+         subset%state%stress(:, column) = state%stress(first - 1 + subset%position, column)
       end do
       do column = 1, 9
-         do i = 1, n
-            subset%deformation%gradient(i, column) = deformation%gradient(subset%position(i), &
-               column)
-         end do
+         subset%deformation%gradient(:n, column) = deformation%gradient(subset%position, column)
       end do
       call find_release(n, self%law%shear, subset%state%volume, subset%state%stress, &
          subset%deformation%gradient, subset%released)
@@ -269,12 +251,10 @@ contains
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
-      integer :: i, column
+      integer :: i
 
-      do column = 1, 6
-         do i = 1, subset%count
-            state%stress(first - 1 + subset%position(i), column) = subset%state%stress(i, column)
-         end do
+      do i = 1, subset%count
+         state%stress(first - 1 + subset%position(i), :) = subset%state%stress(i, :)
       end do
       do i = 1, subset%count
          deformation%pressure(subset%position(i)) = subset%deformation%pressure(i)
@@ -285,21 +265,15 @@ contains
    end subroutine failed_law_scatter
 
    !> Set the stress of failed particles to zero.
-   pure subroutine remove_failed_stress(first, last, failed, stress, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      integer(int64), contiguous, intent(in) :: failed(:)    !! Flag of failure (store)
-      real(wp), contiguous, intent(inout) :: stress(:, :)    !! (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:)   !! (range) [m/s]
-      integer :: i, k, column
+   pure subroutine remove_failed_stress(state, deformation, first, last)
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
-      do column = 1, 6
-         do concurrent (k=first:last)
-            stress(k, column) = merge(0.0_wp, stress(k, column), failed(k) /= 0)
-         end do
-      end do
-      do concurrent (i=1:last - first + 1)
-         wave_speed(i) = merge(0.0_wp, wave_speed(i), failed(first - 1 + i) /= 0)
-      end do
+      call remove_failed_deviator(state, first, last)
+      deformation%wave_speed(:last - first + 1) = merge(0.0_wp, &
+         deformation%wave_speed(:last - first + 1), state%failed(first:last) /= 0)
+      if (allocated(state%viscous_pressure)) state%viscous_pressure(first:last) = &
+         merge(0.0_wp, state%viscous_pressure(first:last), state%failed(first:last) /= 0)
    end subroutine remove_failed_stress
 end module material_failed

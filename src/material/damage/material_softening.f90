@@ -172,8 +172,7 @@ contains
    pure subroutine softening_restore_stress(self, state, first, last)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp) :: tensor(6), values(3), axes(3, 3), viscous
       integer :: k
 
@@ -199,14 +198,12 @@ contains
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       real(wp) :: greatest, factor
       integer :: i, k
       logical :: near
 
-      call deformation%damage%reserve(last - first + 1)
       call bound_deviator(first, last, state%stress, deformation%damage%bound)
       factor = 1.0_wp
       do i = 1, last - first + 1

@@ -16,7 +16,7 @@ module material_voids
    use deck_schema, only: changes_physics, schema_t
    use material_eos, only: eos_t
    use material_law, only: law_t
-   use material_state, only: deformation_t, material_state_t
+   use material_state, only: deformation_t, material_state_t, void_scratch_t
    implicit none
    private
 
@@ -120,41 +120,33 @@ contains
       call group%get("b_thermal", self%expansion)
    end subroutine voids_read
 
-   !> Fraction of the dilatation of the material itself in the step, from the stress before it.
+   !> Fraction of the dilatation of the material itself in the step, from the stress before it, with
+   !! the voids that shear opens. Equations (F.19) and (F.20).
    pure subroutine voids_choose_fraction(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      integer :: count, k
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: count
 
       count = last - first + 1
-      call deformation%voids%reserve(count)
       deformation%voids%loose(:count) = merge(1.0_wp, 0.0_wp, self%loose)
       if (allocated(state%failed)) deformation%voids%loose(:count) = &
          max(deformation%voids%loose(:count), real(state%failed(first:last), wp))
-      do k = first, last
-         deformation%voids%old_pressure(k - first + 1) = -(state%stress(k, 1) + state%stress(k, 2) &
-            + state%stress(k, 3))/3.0_wp
-      end do
+      deformation%voids%old_pressure(:count) = -(state%stress(first:last, 1) &
+         + state%stress(first:last, 2) + state%stress(first:last, 3))/3.0_wp
       if (allocated(state%viscous_pressure)) deformation%voids%old_pressure(:count) = &
          deformation%voids%old_pressure(:count) - state%viscous_pressure(first:last)
-      call find_fraction(first, last, self, deformation%gradient, deformation%voids%loose, &
-         deformation%voids%old_pressure, state%solid_fraction, deformation%voids%alpha)
+      call find_fraction(self, state, deformation%gradient, first, last, deformation%voids)
    end subroutine voids_choose_fraction
 
-   !> Kernel of the above, with the voids that shear opens. Equations (F.19) and (F.20).
-   pure subroutine find_fraction(first, last, voids, gradient, loose, pressure, solid_fraction, &
-      fraction)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+   !> Kernel of the above.
+   pure subroutine find_fraction(voids, state, gradient, first, last, scratch)
       type(voids_t), intent(in) :: voids
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
-      real(wp), contiguous, intent(in) :: loose(:)   !! 1 if voids can open, else 0 (range) [1]
-      real(wp), contiguous, intent(in) :: pressure(:)        !! Before the step (range) [Pa]
-      real(wp), contiguous, intent(inout) :: solid_fraction(:) !! (store) [1]
-      real(wp), contiguous, intent(inout) :: fraction(:)  !! alpha (range) [1]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      real(wp), contiguous, intent(in) :: gradient(:, :)   !! dt du_k/dx_l (range, 9) [1]
+      integer, intent(in) :: first, last                   !! Particles of the range
+      type(void_scratch_t), intent(inout) :: scratch       !! Of the range
       real(wp) :: trace, mean, shear, theta, alpha, crushing
       integer :: i, k
 
@@ -167,61 +159,47 @@ contains
          shear = sqrt(2.0_wp*((gradient(i, 1) - mean)**2 + (gradient(i, 5) - mean)**2 &
             + (gradient(i, 9) - mean)**2) + (gradient(i, 2) + gradient(i, 4))**2 &
             + (gradient(i, 3) + gradient(i, 7))**2 + (gradient(i, 6) + gradient(i, 8))**2)
-         theta = solid_fraction(k)
+         theta = state%solid_fraction(k)
          ! Compressed grains dilate under shear down to the least solid fraction.
-         solid_fraction(k) = merge(max(min(theta, voids%critical), &
+         theta = merge(max(min(theta, voids%critical), &
             theta/(1.0_wp + voids%shearing*shear*(1.0_wp + 0.5_wp*voids%shearing*shear))), theta, &
-            loose(i) > 0.5_wp .and. pressure(i) > 0.0_wp)
-         theta = solid_fraction(k)
+            scratch%loose(i) > 0.5_wp .and. scratch%old_pressure(i) > 0.0_wp)
+         state%solid_fraction(k) = theta
          alpha = merge(min(1.0_wp, (theta - voids%critical)*crushing), 1.0_wp, &
             crushing > 0.0_wp .and. trace < 0.0_wp)
-         alpha = merge(0.0_wp, alpha, (trace > 0.0_wp .and. pressure(i) <= 0.0_wp) .or. &
-            (trace <= 0.0_wp .and. theta < voids%critical))
-         fraction(i) = merge(alpha, 1.0_wp, voids%opens .and. loose(i) > 0.5_wp)
+         alpha = merge(0.0_wp, alpha, (trace > 0.0_wp .and. scratch%old_pressure(i) <= 0.0_wp) &
+            .or. (trace <= 0.0_wp .and. theta < voids%critical))
+         scratch%alpha(i) = merge(alpha, 1.0_wp, voids%opens .and. scratch%loose(i) > 0.5_wp)
       end do
    end subroutine find_fraction
 
-   !> Open and close voids, with the volume before and after the step.
+   !> Open and close voids, with the volume before and after the step. Compression beyond the
+   !! contact of grains is that of the material. Equation (F.18).
    pure subroutine voids_update_solid_fraction(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-
-      call move_fraction(first, last, self%critical, state%volume, deformation%old_volume, &
-         deformation%voids%alpha, state%solid_fraction)
-   end subroutine voids_update_solid_fraction
-
-   !> Kernel of the above. Compression beyond the contact of grains is that of the material.
-   !! Equation (F.18).
-   pure subroutine move_fraction(first, last, critical, volume, old_volume, fraction, &
-      solid_fraction)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: critical               !! theta from which on grains touch [1]
-      real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
-      real(wp), contiguous, intent(in) :: old_volume(:)      !! Before it (range) [m3]
-      real(wp), contiguous, intent(in) :: fraction(:) !! alpha (range) [1]
-      real(wp), contiguous, intent(inout) :: solid_fraction(:) !! (store) [1]
-      real(wp) :: most, theta
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: critical, fraction, most, theta
       integer :: i, k
 
+      critical = self%critical
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         most = merge(critical, 1.0_wp, solid_fraction(k) < critical .and. fraction(i) <= 0.0_wp)
-         theta = solid_fraction(k)*(fraction(i) + (1.0_wp - fraction(i))*(old_volume(i)/volume(k)))
-         solid_fraction(k) = merge(solid_fraction(k), min(theta, most), fraction(i) >= 1.0_wp)
+         fraction = deformation%voids%alpha(i)
+         theta = state%solid_fraction(k)
+         most = merge(critical, 1.0_wp, theta < critical .and. fraction <= 0.0_wp)
+         state%solid_fraction(k) = merge(theta, min(theta*(fraction + (1.0_wp - fraction) &
+            *(deformation%old_volume(i)/state%volume(k))), most), fraction >= 1.0_wp)
       end do
-   end subroutine move_fraction
+   end subroutine voids_update_solid_fraction
 
    !> Replace the volume by that of the solid, for the models of the material.
    pure subroutine voids_to_solid_volume(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       deformation%voids%total_volume(:last - first + 1) = state%volume(first:last)
       state%volume(first:last) = state%volume(first:last)*state%solid_fraction(first:last)
@@ -233,8 +211,7 @@ contains
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       associate (volume => state%volume(first:last), old => deformation%old_volume( &
          :last - first + 1), fraction => deformation%voids%alpha(:last - first + 1))
@@ -249,8 +226,7 @@ contains
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       deformation%pressure(:last - first + 1) = merge(deformation%pressure(:last - first + 1) &
@@ -259,20 +235,17 @@ contains
    end subroutine voids_to_total_volume
 
    !> Expand heated grains into voids: B = expansion dT/dt. Equation (F.20).
-   pure subroutine expand_grains(first, last, expansion, temperature, old_temperature, &
-      solid_fraction)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
-      real(wp), contiguous, intent(in) :: temperature(:)     !! After the step (store) [K]
-      real(wp), contiguous, intent(in) :: old_temperature(:) !! Before it (range) [K]
-      real(wp), contiguous, intent(inout) :: solid_fraction(:) !! (store) [1]
+   pure subroutine expand_grains(expansion, state, deformation, first, last)
+      real(wp), intent(in) :: expansion                    !! Thermal, of the volume [1/K]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(in) :: deformation       !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         solid_fraction(k) = expanded_fraction(solid_fraction(k), &
-            expansion*(temperature(k) - old_temperature(i)))
+         state%solid_fraction(k) = expanded_fraction(state%solid_fraction(k), &
+            expansion*(state%temperature(k) - deformation%voids%old_temperature(i)))
       end do
    end subroutine expand_grains
 

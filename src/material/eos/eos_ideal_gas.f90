@@ -7,7 +7,7 @@ module eos_ideal_gas
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use material_eos, only: eos_t
+   use material_eos, only: eos_t, take_gruneisen
    use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
    implicit none
@@ -21,12 +21,10 @@ module eos_ideal_gas
    contains
       procedure :: declare => ideal_gas_declare      !! Declares its key
       procedure :: read => ideal_gas_read            !! Reads its key
-      procedure :: sets_bulk => ideal_gas_sets_bulk  !! Returns true: K is 0 without energy
       procedure :: request => ideal_gas_request      !! Requests the energy field
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => ideal_gas_find_gruneisen !! Grueneisen number times density
       procedure :: cold_temperature => ideal_gas_cold_temperature !! 0
-      procedure :: stored_energy => ideal_gas_stored_energy !! Zero, because energy is a field
    end type eos_ideal_gas_t
 
 contains
@@ -50,13 +48,6 @@ contains
       self%bulk = 0.0_wp
    end subroutine ideal_gas_read
 
-   !> The bulk modulus of a gas follows from its energy.
-   pure logical function ideal_gas_sets_bulk(self) result(sets)
-      class(eos_ideal_gas_t), intent(in) :: self
-
-      sets = .true.
-   end function ideal_gas_sets_bulk
-
    !> The pressure depends on energy.
    pure subroutine ideal_gas_request(self, requests)
       class(eos_ideal_gas_t), intent(in) :: self
@@ -65,66 +56,34 @@ contains
       call requests%add("energy", "equation of state ideal_gas", 1)
    end subroutine ideal_gas_request
 
-   !> Pressure and square of the sound speed.
+   !> Pressure, and square of the sound speed c**2 = gamma p/rho. In finite steps the work of a
+   !! particle of cold gas can exceed its energy; its pressure is then zero.
    pure subroutine ideal_gas_update(self, state, deformation, first, last)
       class(eos_ideal_gas_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-
-      call gas_pressure(first, last, self%heat_ratio, state%mass, state%volume, state%energy, &
-         deformation%pressure, deformation%wave_speed)
-   end subroutine ideal_gas_update
-
-   !> Kernel of the above, c**2 = gamma p/rho. In finite steps the work of a particle of cold gas
-   !! can exceed its energy; its pressure is then zero.
-   pure subroutine gas_pressure(first, last, heat_ratio, mass, volume, energy, pressure, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: heat_ratio             !! gamma [1]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: share
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         share = (heat_ratio - 1.0_wp)*max(energy(k), 0.0_wp)
-         pressure(i) = share*mass(k)/volume(k)
-         wave_speed(i) = heat_ratio*share
+         share = (self%heat_ratio - 1.0_wp)*max(state%energy(k), 0.0_wp)
+         deformation%pressure(i) = share*state%mass(k)/state%volume(k)
+         deformation%wave_speed(i) = self%heat_ratio*share
       end do
-   end subroutine gas_pressure
+   end subroutine ideal_gas_update
 
    !> Grueneisen parameter gamma - 1 times density at the middle of the step. Equation (A.13) of
    !! doc/theory/matter.md.
    pure subroutine ideal_gas_find_gruneisen(self, state, deformation, first, last)
       class(eos_ideal_gas_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      integer :: i, k
+      integer, intent(in) :: first, last                   !! Particles of the range
 
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         deformation%gruneisen(i) = (self%heat_ratio - 1.0_wp)*2.0_wp*state%mass(k) &
-            /(state%volume(k) + deformation%old_volume(i))
-      end do
+      call take_gruneisen(self%heat_ratio - 1.0_wp, state, deformation, first, last)
    end subroutine ideal_gas_find_gruneisen
-
-   !> The energy is carried by the particles.
-   pure real(wp) function ideal_gas_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_ideal_gas_t), intent(in) :: self
-      real(wp), intent(in) :: mass                   !! [kg]
-      real(wp), intent(in) :: volume                 !! [m3]
-      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
-
-      energy = 0.0_wp
-   end function ideal_gas_stored_energy
 
    !> The energy is c_v T.
    pure real(wp) function ideal_gas_cold_temperature(self, reference) result(temperature)

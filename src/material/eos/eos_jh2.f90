@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Pressure of brittle material after Johnson and Holmquist (JH-2), see material_jh2: with
+!> Pressure of brittle material after Johnson and Holmquist (JH-2), see law_jh2: with
 !! mu = rho/rho0 - 1 it is K1 mu + K2 mu**2 + K3 mu**3 in compression and K1 mu in tension.
 !!
 !! The material update adds the pressure from bulking, in tension too, so that the sum has no jump.
@@ -10,7 +10,6 @@ module eos_jh2
    use deck_schema, only: schema_t
    use eos_linear, only: linear_energy
    use material_eos, only: eos_t
-   use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -25,8 +24,6 @@ module eos_jh2
       procedure :: declare => jh2_declare            !! Declares its keys
       procedure :: fault => jh2_fault                !! A pressure that falls
       procedure :: read => jh2_read                  !! Reads its keys
-      procedure :: sets_bulk => jh2_sets_bulk        !! It does, K1
-      procedure :: request => jh2_request            !! Requests no fields
       procedure :: update => jh2_update              !! Pressure and square of the sound speed
       procedure :: stored_energy => jh2_stored_energy !! Energy stored in the change of volume
    end type eos_jh2_t
@@ -75,52 +72,25 @@ contains
       call group%get("jh2_k3", self%cube)
    end subroutine jh2_read
 
-   !> The bulk modulus is K1.
-   pure logical function jh2_sets_bulk(self) result(sets)
-      class(eos_jh2_t), intent(in) :: self
-
-      sets = .true.
-   end function jh2_sets_bulk
-
-   !> The pressure depends on density alone.
-   pure subroutine jh2_request(self, requests)
-      class(eos_jh2_t), intent(in) :: self
-      class(field_requests_t), intent(inout) :: requests
-   end subroutine jh2_request
-
    !> Pressure and square of the sound speed.
    pure subroutine jh2_update(self, state, deformation, first, last)
       class(eos_jh2_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-
-      call polynomial(first, last, self, state%mass, state%volume, deformation%pressure, &
-         deformation%wave_speed)
-   end subroutine jh2_update
-
-   !> Kernel of the above.
-   pure subroutine polynomial(first, last, eos, mass, volume, pressure, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      type(eos_jh2_t), intent(in) :: eos             !! Constants
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: excess, compression
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         excess = (mass(k) - eos%density*volume(k))/(eos%density*volume(k))
+         excess = (state%mass(k) - self%density*state%volume(k))/(self%density*state%volume(k))
          compression = max(0.0_wp, excess)
-         pressure(i) = eos%bulk*excess + compression**2*(eos%square + eos%cube*compression)
-         wave_speed(i) = (eos%bulk + compression*(2.0_wp*eos%square &
-            + 3.0_wp*eos%cube*compression))/eos%density
+         deformation%pressure(i) = self%bulk*excess &
+            + compression**2*(self%square + self%cube*compression)
+         deformation%wave_speed(i) = (self%bulk &
+            + compression*(2.0_wp*self%square + 3.0_wp*self%cube*compression))/self%density
       end do
-   end subroutine polynomial
+   end subroutine jh2_update
 
    !> Energy stored in the change of volume: in tension that of a linear equation of state, in
    !! compression m/rho0 times the integral of p/(1 + mu)**2, by Gauss.

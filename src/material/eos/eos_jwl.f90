@@ -12,7 +12,8 @@ module eos_jwl
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: changes_physics, schema_t
-   use material_eos, only: eos_t
+   use material_effects, only: in_order
+   use material_eos, only: eos_t, take_gruneisen
    use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
    implicit none
@@ -34,12 +35,10 @@ module eos_jwl
       procedure :: declare => jwl_declare            !! Declares its keys
       procedure :: fault => jwl_fault                !! Constants in the wrong order
       procedure :: read => jwl_read                  !! Reads its keys
-      procedure :: sets_bulk => jwl_sets_bulk        !! Returns true
       procedure :: request => jwl_request            !! Requests the energy field
       procedure :: update => jwl_update              !! Pressure and square of the sound speed
       procedure :: find_gruneisen => jwl_find_gruneisen !! Grueneisen number times density
       procedure :: cold_temperature => jwl_cold_temperature !! Chemical energy alone at t_ref
-      procedure :: stored_energy => jwl_stored_energy !! Zero, because energy is a field
       procedure :: starts_with_energy => jwl_starts_with_energy !! Returns true
       procedure :: start_energy => jwl_start_energy  !! Chemical energy
       procedure :: detonates => jwl_detonates        !! Returns true
@@ -85,14 +84,10 @@ contains
       class(eos_jwl_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
-      real(wp) :: r1, r2
 
       text = ""
-      if (.not. (group%known("jwl_r1") .and. group%known("jwl_r2"))) return
-      call group%get("jwl_r1", r1)
-      call group%get("jwl_r2", r2)
-      if (r1 <= r2) text = "jwl_r1 must be above jwl_r2; jwl_a and jwl_r1 are the term of high "// &
-         "pressure [D320]"
+      if (.not. in_order(group, "jwl_r2", "jwl_r1")) text = &
+         "jwl_r1 must be above jwl_r2; jwl_a and jwl_r1 are the term of high pressure [D320]"
    end function jwl_fault
 
    !> Read the keys of the equation of state.
@@ -113,13 +108,6 @@ contains
       self%bulk = self%density*square
    end subroutine jwl_read
 
-   !> The bulk modulus is that of products in the volume of the explosive.
-   pure logical function jwl_sets_bulk(self) result(sets)
-      class(eos_jwl_t), intent(in) :: self
-
-      sets = .true.
-   end function jwl_sets_bulk
-
    !> The pressure depends on energy.
    pure subroutine jwl_request(self, requests)
       class(eos_jwl_t), intent(in) :: self
@@ -133,8 +121,7 @@ contains
       class(eos_jwl_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call product_pressure(first, last, self, state%mass, state%volume, state%energy, &
          deformation%pressure, deformation%wave_speed)
@@ -143,8 +130,7 @@ contains
    !> Kernel of the above, equations (X.1) and (X.2). Finite steps can remove more energy than
    !! products of low density have; the energy term is then 0.
    pure subroutine product_pressure(first, last, eos, mass, volume, energy, pressure, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(eos_jwl_t), intent(in) :: eos             !! Constants
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
@@ -239,28 +225,12 @@ contains
    !> Grueneisen parameter w times density at the middle of the step: (X.3).
    pure subroutine jwl_find_gruneisen(self, state, deformation, first, last)
       class(eos_jwl_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      integer :: i, k
+      integer, intent(in) :: first, last                   !! Particles of the range
 
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         deformation%gruneisen(i) = self%omega*2.0_wp*state%mass(k) &
-            /(state%volume(k) + deformation%old_volume(i))
-      end do
+      call take_gruneisen(self%omega, state, deformation, first, last)
    end subroutine jwl_find_gruneisen
-
-   !> The energy is carried by the particles.
-   pure real(wp) function jwl_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_jwl_t), intent(in) :: self
-      real(wp), intent(in) :: mass                   !! [kg]
-      real(wp), intent(in) :: volume                 !! [m3]
-      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
-
-      energy = 0.0_wp
-   end function jwl_stored_energy
 
    !> Products hold the chemical energy at the start.
    pure logical function jwl_starts_with_energy(self) result(does)

@@ -5,7 +5,6 @@ module eos_linear
    use base_elementary, only: logarithm
    use base_kinds, only: wp
    use material_eos, only: eos_t
-   use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -15,50 +14,36 @@ module eos_linear
    !> Linear equation of state.
    type, extends(eos_t) :: eos_linear_t
    contains
-      procedure :: request => linear_request         !! Requests no fields
+      procedure :: sets_bulk => linear_sets_bulk     !! Returns false
       procedure :: update => linear_update           !! Pressure and square of the sound speed
       procedure :: stored_energy => linear_stored_energy !! Energy stored in the change of volume
    end type eos_linear_t
 
 contains
 
-   !> The pressure depends on density alone.
-   pure subroutine linear_request(self, requests)
+   !> The bulk modulus is a key of the material.
+   pure logical function linear_sets_bulk(self) result(sets)
       class(eos_linear_t), intent(in) :: self
-      class(field_requests_t), intent(inout) :: requests
-   end subroutine linear_request
+
+      sets = .false.
+   end function linear_sets_bulk
 
    !> Pressure and square of the sound speed.
    pure subroutine linear_update(self, state, deformation, first, last)
       class(eos_linear_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-
-      call linear_pressure(first, last, self%density, self%bulk, state%mass, state%volume, &
-         deformation%pressure, deformation%wave_speed)
-   end subroutine linear_update
-
-   !> Kernel of the above.
-   pure subroutine linear_pressure(first, last, density, bulk, mass, volume, pressure, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
-      real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          ! The difference is computed before the division, so that the result at rest is exactly 0.
-         pressure(i) = bulk*(mass(k) - density*volume(k))/(density*volume(k))
-         wave_speed(i) = bulk/density
+         deformation%pressure(i) = self%bulk*(state%mass(k) - self%density*state%volume(k)) &
+            /(self%density*state%volume(k))
+         deformation%wave_speed(i) = self%bulk/self%density
       end do
-   end subroutine linear_pressure
+   end subroutine linear_update
 
    !> Energy stored in the change of volume.
    pure real(wp) function linear_stored_energy(self, mass, volume, limit) result(energy)

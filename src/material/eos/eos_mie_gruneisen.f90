@@ -36,12 +36,10 @@ module eos_mie_gruneisen
    contains
       procedure :: declare => mie_gruneisen_declare  !! Declares its keys
       procedure :: read => mie_gruneisen_read        !! Reads its keys
-      procedure :: sets_bulk => mie_gruneisen_sets_bulk !! Returns true
       procedure :: request => mie_gruneisen_request  !! Requests the energy field
       procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
       procedure :: find_gruneisen => mie_gruneisen_find_gruneisen !! Grueneisen number times density
       procedure :: cold_temperature => mie_gruneisen_cold_temperature !! Energy 0 at t_ref
-      procedure :: stored_energy => mie_gruneisen_stored_energy !! Zero, because energy is a field
    end type eos_mie_gruneisen_t
 
    interface eos_mie_gruneisen_t
@@ -91,13 +89,6 @@ contains
       self%bulk = self%density*self%sound**2
    end subroutine mie_gruneisen_read
 
-   !> The bulk modulus is that of c0.
-   pure logical function mie_gruneisen_sets_bulk(self) result(sets)
-      class(eos_mie_gruneisen_t), intent(in) :: self
-
-      sets = .true.
-   end function mie_gruneisen_sets_bulk
-
    !> The pressure depends on energy.
    pure subroutine mie_gruneisen_request(self, requests)
       class(eos_mie_gruneisen_t), intent(in) :: self
@@ -109,38 +100,22 @@ contains
    !> Pressure and square of the sound speed.
    pure subroutine mie_gruneisen_update(self, state, deformation, first, last)
       class(eos_mie_gruneisen_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-
-      call pressure_of_state(first, last, self%density, self%sound, self%slope, self%gamma, &
-         state%mass, state%volume, state%energy, deformation%pressure, deformation%wave_speed)
-   end subroutine mie_gruneisen_update
-
-   !> Kernel of the above.
-   ! gate: long kernel because the constants are separate arguments, as in the function of a state
-   pure subroutine pressure_of_state(first, last, density, sound, slope, gamma, mass, volume, &
-      energy, pressure, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
-      real(wp), intent(in) :: sound                  !! c0 [m/s]
-      real(wp), intent(in) :: slope                  !! s [1]
-      real(wp), intent(in) :: gamma                  !! Gamma0 [1]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: density, sound, slope, gamma
       integer :: i, k
 
+      density = self%density
+      sound = self%sound
+      slope = self%slope
+      gamma = self%gamma
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         call mie_gruneisen_state(density, sound, slope, gamma, density*volume(k)/mass(k), &
-            energy(k), pressure(i), wave_speed(i))
+         call mie_gruneisen_state(density, sound, slope, gamma, density*state%volume(k) &
+            /state%mass(k), state%energy(k), deformation%pressure(i), deformation%wave_speed(i))
       end do
-   end subroutine pressure_of_state
+   end subroutine mie_gruneisen_update
 
    !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de, of one state. Without
    !! branches, so that loops over it vectorise. Equations (E.1) and (E.5) to (E.8).
@@ -185,46 +160,21 @@ contains
    !> Grueneisen parameter times density at the middle of the step. Equation (E.7).
    pure subroutine mie_gruneisen_find_gruneisen(self, state, deformation, first, last)
       class(eos_mie_gruneisen_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-
-      call gamma_density(first, last, self%density, self%gamma, state%mass, state%volume, &
-         deformation%old_volume, deformation%gruneisen)
-   end subroutine mie_gruneisen_find_gruneisen
-
-   !> Kernel of the above.
-   pure subroutine gamma_density(first, last, density, gamma, mass, volume, old_volume, gruneisen)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
-      real(wp), intent(in) :: gamma                  !! Gamma0 [1]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
-      real(wp), contiguous, intent(in) :: old_volume(:)    !! Before it (range) [m3]
-      real(wp), contiguous, intent(inout) :: gruneisen(:)  !! (range) [kg/m3]
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: curvature, z, d
       integer :: i, k
 
-      curvature = max(2.0_wp*gamma - gamma_of_vapour, 0.0_wp)
+      curvature = max(2.0_wp*self%gamma - gamma_of_vapour, 0.0_wp)
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         z = min(2.0_wp*mass(k)/(density*(volume(k) + old_volume(i))), 1.0_wp)
+         z = min(2.0_wp*state%mass(k)/(self%density*(state%volume(k) &
+            + deformation%old_volume(i))), 1.0_wp)
          d = 1.0_wp - z
-         gruneisen(i) = density*z*(gamma*(1.0_wp + d) - curvature*d*d)
+         deformation%gruneisen(i) = self%density*z*(self%gamma*(1.0_wp + d) - curvature*d*d)
       end do
-   end subroutine gamma_density
-
-   !> The energy is carried by the particles.
-   pure real(wp) function mie_gruneisen_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_mie_gruneisen_t), intent(in) :: self
-      real(wp), intent(in) :: mass                   !! [kg]
-      real(wp), intent(in) :: volume                 !! [m3]
-      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
-
-      energy = 0.0_wp
-   end function mie_gruneisen_stored_energy
+   end subroutine mie_gruneisen_find_gruneisen
 
    !> Heat above the reference temperature is part of the energy.
    pure real(wp) function mie_gruneisen_cold_temperature(self, reference) result(temperature)

@@ -12,6 +12,7 @@ module eos_p_alpha
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
    use eos_mie_gruneisen, only: eos_mie_gruneisen_t, mie_gruneisen_state
+   use material_effects, only: in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
@@ -30,12 +31,10 @@ module eos_p_alpha
       procedure :: fault => p_alpha_fault            !! Keys that do not fit each other
       procedure :: read => p_alpha_read              !! Reads its keys
       procedure :: set => p_alpha_set                !! Sets its constants
-      procedure :: sets_bulk => p_alpha_sets_bulk    !! Returns true
       procedure :: has_pores => p_alpha_has_pores    !! Returns true
       procedure :: request => p_alpha_request        !! Requests energy and distension
       procedure :: update => p_alpha_update          !! Pressure and square of the sound speed
       procedure :: keep_state => p_alpha_keep_state  !! Keeps the distension
-      procedure :: stored_energy => p_alpha_stored_energy !! Zero, because energy is a field
    end type eos_p_alpha_t
 
 contains
@@ -64,19 +63,11 @@ contains
       class(eos_p_alpha_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
-      real(wp) :: one, other
 
       text = ""
-      if (group%known("pa_pe") .and. group%known("pa_pc")) then
-         call group%get("pa_pe", one)
-         call group%get("pa_pc", other)
-         if (other <= one) text = "pa_pc must be above pa_pe [D363]"
-      end if
-      if (group%known("pa_solid") .and. group%known("density")) then
-         call group%get("pa_solid", one)
-         call group%get("density", other)
-         if (other > one) text = "density of porous material must not be above pa_solid [D363]"
-      end if
+      if (.not. in_order(group, "pa_pe", "pa_pc")) text = "pa_pc must be above pa_pe [D363]"
+      if (.not. in_order(group, "density", "pa_solid", equal=.true.)) &
+         text = "density of porous material must not be above pa_solid [D363]"
       if (group%given("specific_heat")) text = "eos_model = 'p_alpha' has no model of the "// &
          "heat of crushing; set thermal = .false. [D364]"
    end function p_alpha_fault
@@ -85,15 +76,14 @@ contains
    pure subroutine p_alpha_read(self, group)
       class(eos_p_alpha_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      real(wp) :: solid, sound, slope, gamma, elastic, crushed
+      type(eos_mie_gruneisen_t) :: solid
+      real(wp) :: elastic, crushed
 
-      call group%get("pa_solid", solid)
-      call group%get("mg_c0", sound)
-      call group%get("mg_s", slope)
-      call group%get("mg_gamma", gamma)
+      call group%get("pa_solid", solid%density)
+      call solid%read(group)
       call group%get("pa_pe", elastic)
       call group%get("pa_pc", crushed)
-      call self%set(eos_mie_gruneisen_t(solid, sound, slope, gamma), elastic, crushed)
+      call self%set(solid, elastic, crushed)
    end subroutine p_alpha_read
 
    !> Set the constants; the density is set before.
@@ -110,13 +100,6 @@ contains
       ! At constant distension the wave speed is that of the solid.
       self%bulk = self%density*solid%sound**2
    end subroutine p_alpha_set
-
-   !> The bulk modulus is that of c0.
-   pure logical function p_alpha_sets_bulk(self) result(sets)
-      class(eos_p_alpha_t), intent(in) :: self
-
-      sets = .true.
-   end function p_alpha_sets_bulk
 
    !> Its material is porous.
    pure logical function p_alpha_has_pores(self) result(has)
@@ -139,8 +122,7 @@ contains
       class(eos_p_alpha_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: density, alpha
       integer :: i, k
 
@@ -218,19 +200,8 @@ contains
       class(eos_p_alpha_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       state%pores%distension(first:last) = deformation%distension(:last - first + 1)
    end subroutine p_alpha_keep_state
-
-   !> The energy is carried by the particles.
-   pure real(wp) function p_alpha_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_p_alpha_t), intent(in) :: self
-      real(wp), intent(in) :: mass                   !! [kg]
-      real(wp), intent(in) :: volume                 !! [m3]
-      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
-
-      energy = 0.0_wp
-   end function p_alpha_stored_energy
 end module eos_p_alpha

@@ -33,12 +33,10 @@ module eos_table
       procedure :: declare => table_declare          !! Declares its keys
       procedure :: take_file => table_take_file      !! Its table from the text of a file
       procedure :: read => table_read                !! Reads its keys
-      procedure :: sets_bulk => table_sets_bulk      !! Returns true
       procedure :: request => table_request          !! Requests the energy field
       procedure :: update => table_update            !! Pressure and square of the sound speed
       procedure :: gives_temperature => table_gives_temperature !! Returns true
       procedure :: find_temperature => table_find_temperature !! From density and energy
-      procedure :: stored_energy => table_stored_energy !! Zero, because energy is a field
       procedure :: starts_with_energy => table_starts_with_energy !! Returns true
       procedure :: start_energy => table_start_energy !! That of the temperature
       procedure :: report => table_report            !! Extent and inconsistency
@@ -118,13 +116,6 @@ contains
       self%bulk = self%density*square
    end subroutine table_read
 
-   !> The bulk modulus is that of the table.
-   pure logical function table_sets_bulk(self) result(sets)
-      class(eos_table_t), intent(in) :: self
-
-      sets = .true.
-   end function table_sets_bulk
-
    !> The pressure depends on energy.
    pure subroutine table_request(self, requests)
       class(eos_table_t), intent(in) :: self
@@ -138,35 +129,30 @@ contains
       class(eos_table_t), intent(in) :: self
       type(material_state_t), intent(in) :: state    !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(cell_lanes_t) :: lanes
       integer :: begin
 
       do begin = first, last, most_lanes
-         call find_lanes(self, begin, min(begin + most_lanes - 1, last), state%mass, &
-            state%volume, state%energy, lanes)
+         call find_lanes(self, state, begin, min(begin + most_lanes - 1, last), lanes)
          call self%table%interpolate(lanes, begin - first, deformation%pressure, &
             deformation%wave_speed)
       end do
    end subroutine table_update
 
    !> Densities and energies of some particles, and their cells of the table.
-   pure subroutine find_lanes(eos, first, last, mass, volume, energy, lanes)
+   pure subroutine find_lanes(eos, state, first, last, lanes)
       class(eos_table_t), intent(in) :: eos
-      integer, intent(in) :: first                   !! First particle
-      integer, intent(in) :: last                    !! Last particle
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
+      type(material_state_t), intent(in) :: state    !! State of the store
+      integer, intent(in) :: first, last             !! First and last particle
       type(cell_lanes_t), intent(inout) :: lanes
       integer :: l
 
       lanes%count = last - first + 1
       !$omp simd
       do l = 1, lanes%count
-         lanes%density(l) = mass(first - 1 + l)/volume(first - 1 + l)
-         lanes%energy(l) = energy(first - 1 + l)
+         lanes%density(l) = state%mass(first - 1 + l)/state%volume(first - 1 + l)
+         lanes%energy(l) = state%energy(first - 1 + l)
       end do
       call eos%table%find_cells(lanes)
    end subroutine find_lanes
@@ -201,27 +187,15 @@ contains
    pure subroutine table_find_temperature(self, state, first, last)
       class(eos_table_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       type(cell_lanes_t) :: lanes
       integer :: begin
 
       do begin = first, last, most_lanes
-         call find_lanes(self, begin, min(begin + most_lanes - 1, last), state%mass, &
-            state%volume, state%energy, lanes)
+         call find_lanes(self, state, begin, min(begin + most_lanes - 1, last), lanes)
          call self%table%find_temperatures(lanes, begin - 1, state%temperature)
       end do
    end subroutine table_find_temperature
-
-   !> The energy is carried by the particles.
-   pure real(wp) function table_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_table_t), intent(in) :: self
-      real(wp), intent(in) :: mass                   !! [kg]
-      real(wp), intent(in) :: volume                 !! [m3]
-      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
-
-      energy = 0.0_wp
-   end function table_stored_energy
 
    !> Material starts with the energy of its temperature, and with its pressure.
    pure logical function table_starts_with_energy(self) result(does)

@@ -7,7 +7,6 @@ module eos_tait
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
    use material_eos, only: eos_t
-   use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -20,7 +19,7 @@ module eos_tait
    contains
       procedure :: declare => tait_declare           !! Declares its key
       procedure :: read => tait_read                 !! Reads its key
-      procedure :: request => tait_request           !! Requests no fields
+      procedure :: sets_bulk => tait_sets_bulk       !! Returns false
       procedure :: update => tait_update             !! Pressure and square of the sound speed
       procedure :: stored_energy => tait_stored_energy !! Energy stored in the change of volume
    end type eos_tait_t
@@ -45,53 +44,37 @@ contains
       call group%get("tait_n", self%exponent)
    end subroutine tait_read
 
-   !> The pressure depends on density alone.
-   pure subroutine tait_request(self, requests)
+   !> The bulk modulus is a key of the material.
+   pure logical function tait_sets_bulk(self) result(sets)
       class(eos_tait_t), intent(in) :: self
-      class(field_requests_t), intent(inout) :: requests
-   end subroutine tait_request
 
-   !> Pressure and square of the sound speed.
+      sets = .false.
+   end function tait_sets_bulk
+
+   !> Pressure, and square of the sound speed K/rho0 (rho/rho0)**(n - 1).
    pure subroutine tait_update(self, state, deformation, first, last)
       class(eos_tait_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-
-      call tait_pressure(first, last, self%density, self%bulk, self%exponent, state%mass, &
-         state%volume, deformation%pressure, deformation%wave_speed)
-   end subroutine tait_update
-
-   !> Kernel of the above; the square of the sound speed is K/rho0 (rho/rho0)**(n - 1).
-   pure subroutine tait_pressure(first, last, density, bulk, exponent, mass, volume, pressure, &
-      wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
-      real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
-      real(wp), intent(in) :: exponent               !! n [1]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: stiffness, square
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          ! At rest the result is exactly 1, so the pressure is exactly 0.
-         wave_speed(i) = 1.0_wp + (mass(k) - density*volume(k))/(density*volume(k))
-         pressure(i) = wave_speed(i)
+         deformation%wave_speed(i) = 1.0_wp + (state%mass(k) - self%density*state%volume(k)) &
+            /(self%density*state%volume(k))
+         deformation%pressure(i) = deformation%wave_speed(i)
       end do
-      call take_fast_powers(last - first + 1, exponent, pressure)
-      stiffness = bulk/exponent
-      square = bulk/density
+      call take_fast_powers(last - first + 1, self%exponent, deformation%pressure)
+      stiffness = self%bulk/self%exponent
+      square = self%bulk/self%density
       do concurrent (i=1:last - first + 1)
-         wave_speed(i) = square*pressure(i)/wave_speed(i)
-         pressure(i) = stiffness*(pressure(i) - 1.0_wp)
+         deformation%wave_speed(i) = square*deformation%pressure(i)/deformation%wave_speed(i)
+         deformation%pressure(i) = stiffness*(deformation%pressure(i) - 1.0_wp)
       end do
-   end subroutine tait_pressure
+   end subroutine tait_update
 
    !> Energy stored in the change of volume. With x = V rho0/m it is m K/(n rho0) times (x**(1 - n)
    !! - 1)/(n - 1) + x - 1, and beyond the x at which the pressure would be less than its limit it

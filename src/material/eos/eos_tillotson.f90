@@ -13,6 +13,7 @@ module eos_tillotson
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
+   use material_effects, only: in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
@@ -39,12 +40,10 @@ module eos_tillotson
       procedure :: declare => tillotson_declare      !! Declares its keys
       procedure :: fault => tillotson_fault          !! Energies in the wrong order
       procedure :: read => tillotson_read            !! Reads its keys
-      procedure :: sets_bulk => tillotson_sets_bulk  !! Returns true
       procedure :: request => tillotson_request      !! Requests the energy field
       procedure :: update => tillotson_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => tillotson_find_gruneisen !! Grueneisen number times density
       procedure :: cold_temperature => tillotson_cold_temperature !! Energy 0 at t_ref
-      procedure :: stored_energy => tillotson_stored_energy !! Zero, because energy is a field
    end type eos_tillotson_t
 
 contains
@@ -79,13 +78,10 @@ contains
       class(eos_tillotson_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
-      real(wp) :: melt, vapour
 
       text = ""
-      if (.not. (group%known("till_eiv") .and. group%known("till_ecv"))) return
-      call group%get("till_eiv", melt)
-      call group%get("till_ecv", vapour)
-      if (vapour <= melt) text = "till_ecv must be above till_eiv [D363]"
+      if (.not. in_order(group, "till_eiv", "till_ecv")) &
+         text = "till_ecv must be above till_eiv [D363]"
    end function tillotson_fault
 
    !> Read the keys of the equation of state.
@@ -104,13 +100,6 @@ contains
       call group%get("till_ecv", self%vapour)
    end subroutine tillotson_read
 
-   !> The bulk modulus is A.
-   pure logical function tillotson_sets_bulk(self) result(sets)
-      class(eos_tillotson_t), intent(in) :: self
-
-      sets = .true.
-   end function tillotson_sets_bulk
-
    !> The pressure depends on energy.
    pure subroutine tillotson_request(self, requests)
       class(eos_tillotson_t), intent(in) :: self
@@ -119,68 +108,48 @@ contains
       call requests%add("energy", "equation of state tillotson", 1)
    end subroutine tillotson_request
 
-   !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de: (E.1).
+   !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de: (E.1). Few particles boil or
+   !! are vapour, and only these need exponentials, one by one.
    pure subroutine tillotson_update(self, state, deformation, first, last)
       class(eos_tillotson_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: density, to_density, to_energy
+      integer :: i, k
 
-      call condensed(first, last, self, state%mass, state%volume, state%energy, &
-         deformation%pressure, deformation%wave_speed)
-      call evaporate(first, last, self, state%mass, state%volume, state%energy, &
-         deformation%pressure, deformation%wave_speed)
+      call condense(self, state, deformation, first, last)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         if (state%energy(k) <= self%melt .or. state%mass(k) >= self%density*state%volume(k)) cycle
+         density = state%mass(k)/state%volume(k)
+         call find_state(self, density, state%energy(k), deformation%pressure(i), to_density, &
+            to_energy)
+         deformation%wave_speed(i) = max(least_sound**2*self%bulk/self%density, &
+            to_density + deformation%pressure(i)/density**2*to_energy)
+      end do
    end subroutine tillotson_update
 
-   !> Pressure and square of the sound speed of condensed material.
-   pure subroutine condensed(first, last, eos, mass, volume, energy, pressure, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      type(eos_tillotson_t), intent(in) :: eos       !! Constants
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+   !> The same of condensed material. The loop becomes one of vectors only if the type is known.
+   pure subroutine condense(eos, state, deformation, first, last)
+      type(eos_tillotson_t), intent(in) :: eos             !! Constants
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: dense(3), density, inverse
       integer :: i, k
 
       !$omp simd private(dense, density, inverse, k)
       do i = 1, last - first + 1
          k = first - 1 + i
-         density = mass(k)/volume(k)
-         inverse = volume(k)/mass(k)
-         call find_dense_state(eos, density, inverse, energy(k), dense)
-         pressure(i) = dense(1)
-         wave_speed(i) = max(least_sound**2*eos%bulk/eos%density, &
+         density = state%mass(k)/state%volume(k)
+         inverse = state%volume(k)/state%mass(k)
+         call find_dense_state(eos, density, inverse, state%energy(k), dense)
+         deformation%pressure(i) = dense(1)
+         deformation%wave_speed(i) = max(least_sound**2*eos%bulk/eos%density, &
             dense(2) + dense(1)*inverse*inverse*dense(3))
       end do
-   end subroutine condensed
-
-   !> The same for expanded material that boils or is vapour, particle by particle. Few particles
-   !! are in this state, and only these need exponentials.
-   pure subroutine evaporate(first, last, eos, mass, volume, energy, pressure, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      type(eos_tillotson_t), intent(in) :: eos       !! Constants
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
-      real(wp) :: density, to_density, to_energy
-      integer :: i, k
-
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         if (energy(k) <= eos%melt .or. mass(k) >= eos%density*volume(k)) cycle
-         density = mass(k)/volume(k)
-         call find_state(eos, density, energy(k), pressure(i), to_density, to_energy)
-         wave_speed(i) = max(least_sound**2*eos%bulk/eos%density, &
-            to_density + pressure(i)/density**2*to_energy)
-      end do
-   end subroutine evaporate
+   end subroutine condense
 
    !> Pressure of condensed material, and its derivatives to density and energy.
    pure subroutine find_dense_state(eos, density, inverse, given, dense)
@@ -214,8 +183,7 @@ contains
       class(eos_tillotson_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: density, w
       integer :: i, k
 
@@ -263,16 +231,6 @@ contains
       to_energy = (1.0_wp - share)*dense(3) + share*thin(3)
       if (share < 1.0_wp) to_energy = to_energy + (thin(1) - dense(1))/(eos%vapour - eos%melt)
    end subroutine find_state
-
-   !> The energy is carried by the particles.
-   pure real(wp) function tillotson_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_tillotson_t), intent(in) :: self
-      real(wp), intent(in) :: mass                   !! [kg]
-      real(wp), intent(in) :: volume                 !! [m3]
-      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
-
-      energy = 0.0_wp
-   end function tillotson_stored_energy
 
    !> Heat above the reference temperature is part of the energy.
    pure real(wp) function tillotson_cold_temperature(self, reference) result(temperature)

@@ -10,7 +10,7 @@ module material_eos
    implicit none
    private
 
-   public :: eos_t
+   public :: eos_t, take_gruneisen
 
    !> An equation of state. A material has none if its mean stress follows a rate equation.
    type, abstract :: eos_t
@@ -24,11 +24,11 @@ module material_eos
       procedure :: read => eos_read                  !! Reads its keys, if it has any
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure :: has_pores => eos_has_pores        !! True if its material is porous
-      procedure(request_i), deferred :: request      !! Requests the fields it needs
+      procedure :: request => eos_request            !! Requests the fields it needs
       procedure :: keep_state => eos_keep_state      !! Stores the changes of its state
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => eos_find_gruneisen !! Grueneisen number times density
-      procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
+      procedure :: stored_energy => eos_stored_energy !! Energy stored in the change of volume
       procedure :: gives_temperature => eos_gives_temperature !! True if it gives the temperature
       procedure :: find_temperature => eos_find_temperature !! Temperature, if it gives it
       !> True if material at rest has energy
@@ -44,13 +44,6 @@ module material_eos
    end type eos_t
 
    abstract interface
-      pure subroutine request_i(self, requests)
-         import :: eos_t, field_requests_t
-         implicit none
-         class(eos_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: requests
-      end subroutine request_i
-
       !> The wave speed returns the square of the bulk sound speed [m2/s2].
       pure subroutine update_i(self, state, deformation, first, last)
          import :: deformation_t, eos_t, material_state_t
@@ -58,21 +51,8 @@ module material_eos
          class(eos_t), intent(in) :: self
          type(material_state_t), intent(in) :: state                  !! State of the store
          type(deformation_t), intent(inout) :: deformation     !! Step of the range
-         integer, intent(in) :: first                          !! First particle of the range
-         integer, intent(in) :: last                           !! Last particle of the range
+         integer, intent(in) :: first, last                    !! Particles of the range
       end subroutine update_i
-
-      !> Stored energy [J] of a particle whose material has no internal energy variable: work of the
-      !! pressure from the reference state, with the pressure bounded from below [Pa].
-      pure function stored_energy_i(self, mass, volume, limit) result(energy)
-         import :: eos_t, wp
-         implicit none
-         class(eos_t), intent(in) :: self
-         real(wp), intent(in) :: mass                          !! [kg]
-         real(wp), intent(in) :: volume                        !! [m3]
-         real(wp), intent(in) :: limit                         !! Least pressure [Pa]
-         real(wp) :: energy
-      end function stored_energy_i
    end interface
 
 contains
@@ -116,7 +96,7 @@ contains
    pure logical function eos_sets_bulk(self) result(sets)
       class(eos_t), intent(in) :: self
 
-      sets = .false.
+      sets = .true.
    end function eos_sets_bulk
 
    !> True if the equation of state is that of porous material.
@@ -126,17 +106,49 @@ contains
       has = .false.
    end function eos_has_pores
 
+   !> Request the fields that it needs: none if the pressure depends on the density alone.
+   pure subroutine eos_request(self, requests)
+      class(eos_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
+   end subroutine eos_request
+
    !> Grueneisen parameter times density at the middle of the step, for the temperature. It is 0
    !! where the pressure does not depend on energy.
    pure subroutine eos_find_gruneisen(self, state, deformation, first, last)
       class(eos_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
 
       deformation%gruneisen(:last - first + 1) = 0.0_wp
    end subroutine eos_find_gruneisen
+
+   !> The same for a constant Grueneisen parameter.
+   pure subroutine take_gruneisen(number, state, deformation, first, last)
+      real(wp), intent(in) :: number                           !! Grueneisen parameter [1]
+      type(material_state_t), intent(in) :: state              !! State of the store
+      type(deformation_t), intent(inout) :: deformation        !! Step of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         deformation%gruneisen(i) = number*2.0_wp*state%mass(k) &
+            /(state%volume(k) + deformation%old_volume(i))
+      end do
+   end subroutine take_gruneisen
+
+   !> Stored energy [J] of a particle whose material has no internal energy variable: work of the
+   !! pressure from the reference state, with the pressure bounded from below [Pa]; 0 if particles
+   !! carry the energy.
+   pure real(wp) function eos_stored_energy(self, mass, volume, limit) result(energy)
+      class(eos_t), intent(in) :: self
+      real(wp), intent(in) :: mass                             !! [kg]
+      real(wp), intent(in) :: volume                           !! [m3]
+      real(wp), intent(in) :: limit                            !! Least pressure [Pa]
+
+      energy = 0.0_wp
+   end function eos_stored_energy
 
    !> True if the equation of state gives the temperature of density and energy.
    pure logical function eos_gives_temperature(self) result(gives)
@@ -149,8 +161,7 @@ contains
    pure subroutine eos_find_temperature(self, state, first, last)
       class(eos_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state                  !! State of the store
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
    end subroutine eos_find_temperature
 
    !> True if material at rest has an energy, and with it perhaps a pressure.
@@ -224,7 +235,6 @@ contains
       class(eos_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(in) :: deformation           !! Step of the range
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
    end subroutine eos_keep_state
 end module material_eos

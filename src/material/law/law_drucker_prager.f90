@@ -10,8 +10,7 @@ module law_drucker_prager
    use deck_group_values, only: group_t
    use deck_schema, only: changes_physics, schema_t
    use material_effects, only: effects_t
-   use material_eos, only: eos_t
-   use material_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
+   use material_friction, only: add_dilation, add_dilation_pressure, angles_t, &
       declare_angles, frictional_t, read_angles
    use material_law, only: equivalent_stress, strain_trial
    use material_state, only: deformation_t, material_state_t
@@ -27,7 +26,6 @@ module law_drucker_prager
       real(wp) :: dilation_slope = 0.0_wp            !! b [1]
    contains
       procedure :: declare => drucker_prager_declare !! Declares its keys
-      procedure :: fault => drucker_prager_fault     !! Invalid combination of angles
       procedure :: read => drucker_prager_read       !! Reads its keys
       procedure :: set => drucker_prager_set         !! Cone from the angles
       procedure :: update => drucker_prager_update   !! Return to cone or apex
@@ -47,16 +45,6 @@ contains
          owner="effects.strength & strength_model = drucker_prager")
       call schema%allow_change("material", "dp_cone", changes_physics)
    end subroutine drucker_prager_declare
-
-   !> Error in the combination of the angles; empty if there is none.
-   pure function drucker_prager_fault(self, group, eos) result(text)
-      class(law_drucker_prager_t), intent(in) :: self
-      type(group_t), intent(in) :: group             !! &material
-      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
-      character(len=:), allocatable :: text
-
-      text = angle_fault(group, eos)
-   end function drucker_prager_fault
 
    !> Read the keys of the law.
    pure subroutine drucker_prager_read(self, group, effects)
@@ -108,86 +96,51 @@ contains
       end select
    end function cone
 
-   !> Return to cone or apex.
+   !> Return to cone or apex (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods
+   !! for plasticity", 2008, section 8.3). Flow dilates only on the cone, because separated grains
+   !! do not climb over each other. The work uses the mean pressure (p + p')/2 of the step, where
+   !! the pressure before it is that of the trial less the change by the strain. Equation (Y.22).
    pure subroutine drucker_prager_update(self, state, deformation, first, last, dt)
       class(law_drucker_prager_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-
-      if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
-         state%plastic_dilation, state%mass, state%volume, deformation%wave_speed, &
-         deformation%pressure, deformation%strength%tangent)
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
-      deformation%strength%dilation(:last - first + 1) = deformation%dilatation(:last - first + 1)
-      if (allocated(state%plastic_dilation)) then
-         call return_to_cone(first, last, self, state%mass, state%volume, &
-            deformation%strength%tangent, state%stress, deformation%pressure, &
-            deformation%plastic_increment, deformation%plastic_work, &
-            deformation%strength%dilation)
-         call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
-      else
-         call return_to_cone(first, last, self, state%mass, state%volume, deformation%wave_speed, &
-            state%stress, deformation%pressure, deformation%plastic_increment, &
-            deformation%plastic_work, deformation%strength%dilation)
-      end if
-   end subroutine drucker_prager_update
-
-   !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
-   !! plasticity", 2008, section 8.3). Flow dilates only on the cone, because separated grains do
-   !! not climb over each other. The work uses the mean pressure (p + p')/2 of the step, where the
-   !! pressure before it is that of the trial less the change by the strain. Equation (Y.22).
-   ! gate: long kernel because flow changes stress, pressure and volume
-   pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
-      plastic_increment, plastic_work, dilation)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      type(law_drucker_prager_t), intent(in) :: law  !! Constants
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: tangent(:) !! K/rho of pressure and flow (range) [m2/s2]
-      real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
-      !> Trace of the strain [1] in, fraction of the volume gained by flow [1] out (range).
-      real(wp), contiguous, intent(inout) :: dilation(:)
-      real(wp) :: bulk, trial, flow, equivalent, scaling, least, softness, apex, before
+      real(wp) :: shear, slope, strength, dilating, apex, softness
+      real(wp) :: bulk, trial, flow, equivalent, scaling, least, before
       logical :: apart
       integer :: i, k
 
-      softness = 1.0_wp/(3.0_wp*law%shear)
-      apex = law%apex
+      call add_dilation_pressure(state, deformation, first, last)
+      call equivalent_stress(state, deformation, first, last)
+      call strain_trial(state, deformation, first, last)
+      shear = self%shear
+      slope = self%slope
+      strength = self%strength
+      dilating = self%dilation_slope
+      apex = self%apex
+      softness = 1.0_wp/(3.0_wp*shear)
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         trial = plastic_increment(i)
-         bulk = tangent(i)*mass(k)/volume(k)
-         before = max(apex, pressure(i) + bulk*dilation(i))
-         flow = max(0.0_wp, trial - law%slope*pressure(i) - law%strength) &
-            /(3.0_wp*law%shear + law%slope*bulk*law%dilation_slope)
-         equivalent = trial - 3.0_wp*law%shear*flow
+         trial = deformation%plastic_increment(i)
+         bulk = deformation%strength%tangent(i)*state%mass(k)/state%volume(k)
+         before = max(apex, deformation%pressure(i) + bulk*deformation%dilatation(i))
+         flow = max(0.0_wp, trial - slope*deformation%pressure(i) - strength) &
+            /(3.0_wp*shear + slope*bulk*dilating)
+         equivalent = trial - 3.0_wp*shear*flow
          apart = equivalent <= 0.0_wp .and. flow > 0.0_wp
-         dilation(i) = merge(0.0_wp, law%dilation_slope*flow, apart)
-         least = pressure(i) + bulk*dilation(i)
-         pressure(i) = merge(apex, least, apart)
+         deformation%strength%dilation(i) = merge(0.0_wp, dilating*flow, apart)
+         least = deformation%pressure(i) + bulk*deformation%strength%dilation(i)
+         deformation%pressure(i) = merge(apex, least, apart)
          equivalent = merge(0.0_wp, min(equivalent, trial), apart)
-         plastic_increment(i) = (trial - equivalent)*softness
+         deformation%plastic_increment(i) = (trial - equivalent)*softness
          scaling = equivalent/max(trial, tiny(1.0_wp))
          scaling = merge(scaling, 1.0_wp, flow > 0.0_wp)
-         plastic_work(i) = volume(k)*max(0.0_wp, (1.0_wp - scaling)*((1.0_wp + scaling)*trial**2 &
-            *(0.5_wp*softness) - 0.5_wp*plastic_work(i)) - 0.5_wp*(before + pressure(i)) &
-            *dilation(i))
-         stress(k, 1) = scaling*stress(k, 1)
-         stress(k, 2) = scaling*stress(k, 2)
-         stress(k, 3) = scaling*stress(k, 3)
-         stress(k, 4) = scaling*stress(k, 4)
-         stress(k, 5) = scaling*stress(k, 5)
-         stress(k, 6) = scaling*stress(k, 6)
+         deformation%plastic_work(i) = state%volume(k)*max(0.0_wp, (1.0_wp - scaling) &
+            *((1.0_wp + scaling)*trial**2*(0.5_wp*softness) - 0.5_wp*deformation%plastic_work(i)) &
+            - 0.5_wp*(before + deformation%pressure(i))*deformation%strength%dilation(i))
+         state%stress(k, 1:6) = scaling*state%stress(k, 1:6)
       end do
-   end subroutine return_to_cone
+      call add_dilation(state, deformation, first, last)
+   end subroutine drucker_prager_update
 end module law_drucker_prager

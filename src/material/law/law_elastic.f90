@@ -2,7 +2,6 @@
 !> Linear elasticity in rate form: the deviator is the elastic trial.
 module law_elastic
    use base_kinds, only: wp
-   use material_field_requests, only: field_requests_t
    use material_law, only: law_t
    use material_state, only: deformation_t, material_state_t
    implicit none
@@ -14,7 +13,6 @@ module law_elastic
    type, extends(law_t) :: law_elastic_t
    contains
       procedure :: is_plastic => elastic_is_plastic  !! False: there is no flow
-      procedure :: request => elastic_request        !! Requests no fields
       procedure :: update => elastic_update          !! Keeps the trial
    end type law_elastic_t
 
@@ -27,19 +25,12 @@ contains
       plastic = .false.
    end function elastic_is_plastic
 
-   !> The stress is the only state variable of an elastic particle.
-   pure subroutine elastic_request(self, requests)
-      class(law_elastic_t), intent(in) :: self
-      class(field_requests_t), intent(inout) :: requests
-   end subroutine elastic_request
-
    !> The trial deviator is already the result.
    pure subroutine elastic_update(self, state, deformation, first, last, dt)
       class(law_elastic_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
    end subroutine elastic_update
 end module law_elastic

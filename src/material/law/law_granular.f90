@@ -14,7 +14,6 @@ module law_granular
    use deck_schema, only: changes_physics, schema_t
    use material_effects, only: effects_t
    use material_eos, only: eos_t
-   use material_field_requests, only: field_requests_t
    use material_kinematics, only: follow_motion
    use material_law, only: law_add_wave_speed, law_stored_energy, law_t
    use material_relaxation, only: relax_deviator, relax_pressure
@@ -23,7 +22,7 @@ module law_granular
    implicit none
    private
 
-   public :: law_granular_t
+   public :: inverse_key, law_granular_t
 
    !> Law of stress relaxation.
    type, extends(law_t) :: law_granular_t
@@ -36,7 +35,6 @@ module law_granular
       procedure :: fault => granular_fault           !! Error if no relaxation is given
       procedure :: read => granular_read             !! Reads its keys
       procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode total
-      procedure :: request => granular_request       !! Requests no fields
       procedure :: predict_trial => granular_predict_trial !! Updates the volume, keeps the deviator
       procedure :: update => granular_update         !! Relaxes
       !> Waves are those of the intact contacts
@@ -90,18 +88,22 @@ contains
       class(law_granular_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
       type(effects_t), intent(in) :: effects
-      real(wp) :: number
 
       self%heat_share = 1.0_wp
-      if (group%given("gr_tau")) then
-         call group%get("gr_tau", number)
-         self%relaxation_rate = 1.0_wp/number
-      end if
-      if (group%given("gr_gamma_c")) then
-         call group%get("gr_gamma_c", number)
-         self%inverse_contact_strain = 1.0_wp/number
-      end if
+      self%relaxation_rate = inverse_key(group, "gr_tau")
+      self%inverse_contact_strain = inverse_key(group, "gr_gamma_c")
    end subroutine granular_read
+
+   !> One over the value of a key, 0 if it is not given.
+   pure real(wp) function inverse_key(group, key) result(inverse)
+      type(group_t), intent(in) :: group             !! &material
+      character(len=*), intent(in) :: key
+
+      inverse = 0.0_wp
+      if (.not. group%given(key)) return
+      call group%get(key, inverse)
+      inverse = 1.0_wp/inverse
+   end function inverse_key
 
    !> In mode total the pressure is a part of the law.
    pure logical function granular_gives_whole_stress(self) result(whole)
@@ -110,22 +112,14 @@ contains
       whole = self%relaxes_pressure
    end function granular_gives_whole_stress
 
-   !> The stress is the only state variable.
-   pure subroutine granular_request(self, requests)
-      class(law_granular_t), intent(in) :: self
-      class(field_requests_t), intent(inout) :: requests
-   end subroutine granular_request
-
    !> Volume after the step; the stress becomes its deviator.
    pure subroutine granular_predict_trial(self, state, deformation, first, last)
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
-      call follow_motion(first, last, deformation%gradient, state%volume, state%stress, &
-         deformation%old_volume, deformation%dilatation, deformation%pressure)
+      call follow_motion(state, deformation, first, last)
    end subroutine granular_predict_trial
 
    !> Deviator after the step, and in mode total the pressure.
@@ -133,24 +127,20 @@ contains
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       integer :: count
 
       count = last - first + 1
-      call relax_deviator(first, last, self%shear, dt*self%relaxation_rate, &
-         self%inverse_contact_strain, deformation%gradient, state%volume, state%stress, &
-         deformation%plastic_increment, deformation%plastic_work)
+      call relax_deviator(self%shear, dt*self%relaxation_rate, self%inverse_contact_strain, &
+         state, deformation, first, last)
       if (self%relaxes_pressure) then
          if (allocated(state%viscous_pressure)) deformation%pressure(:count) = &
             deformation%pressure(:count) - state%viscous_pressure(first:last)
-         call relax_pressure(first, last, self%bulk, dt*self%relaxation_rate, &
-            self%inverse_contact_strain, deformation%gradient, state%volume, &
-            deformation%pressure, deformation%plastic_work)
+         call relax_pressure(self%bulk, dt*self%relaxation_rate, self%inverse_contact_strain, &
+            state, deformation, first, last)
       end if
-      if (allocated(state%failed)) call remove_failed_deviator(first, last, state%failed, &
-         state%stress)
+      call remove_failed_deviator(state, first, last)
    end subroutine granular_update
 
    !> Shear, and in mode total the bulk modulus too.
@@ -158,8 +148,7 @@ contains
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
       call law_add_wave_speed(self, state, deformation, first, last)
       if (self%relaxes_pressure) deformation%wave_speed(:last - first + 1) = &

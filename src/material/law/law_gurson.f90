@@ -37,14 +37,12 @@ module law_gurson
       type(porous_t) :: porous                       !! Yield surface
       type(nucleation_t), allocatable :: nucleation  !! Only if pores appear
       real(wp) :: yield = 0.0_wp !! Yield stress of the matrix without strain [Pa]
-      real(wp) :: start = 0.0_wp                     !! Porosity of the reference state [1]
    contains
       procedure :: declare => gurson_declare         !! Declares its keys
       procedure :: fault => gurson_fault             !! Keys that do not go together
       procedure :: read => gurson_read               !! Reads its keys
       procedure :: follows_density => gurson_follows_density !! Returns true
       procedure :: supports_voids => gurson_supports_voids !! Returns false
-      procedure :: initial_porosity => gurson_initial_porosity !! That of the deck
       procedure :: grows_pores => gurson_grows_pores !! Returns true
       procedure :: request => gurson_request         !! Requests porosity, volume gained and strain
       procedure :: update => gurson_update           !! Return to the yield surface
@@ -126,7 +124,7 @@ contains
 
       call group%get("yield", self%yield)
       call group%get("hardening", self%porous%hardening)
-      call group%get("gtn_f0", self%start)
+      call group%get("gtn_f0", self%porosity)
       self%porous%shear = self%shear
       call group%get("gtn_q1", self%porous%q1)
       call group%get("gtn_q2", self%porous%q2)
@@ -159,13 +157,6 @@ contains
       supports = .false.
    end function gurson_supports_voids
 
-   !> Porosity of the reference state.
-   pure real(wp) function gurson_initial_porosity(self) result(porosity)
-      class(law_gurson_t), intent(in) :: self
-
-      porosity = self%start
-   end function gurson_initial_porosity
-
    !> It has pores that grow.
    pure logical function gurson_grows_pores(self) result(grows)
       class(law_gurson_t), intent(in) :: self
@@ -188,15 +179,14 @@ contains
       class(law_gurson_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(pore_lanes_t) :: group, lanes
       real(wp) :: excess(most_lanes)
       integer :: offset, count
 
-      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
+      call strain_trial(state, deformation, first, last)
+      call equivalent_stress(state, deformation, first, last)
       do offset = 0, last - first, most_lanes
          count = min(most_lanes, last - first + 1 - offset)
          call read_group(self, offset, count, first - 1 + offset, state, deformation, group)
@@ -224,18 +214,15 @@ contains
 
       yield = law%yield
       hardening = law%porous%hardening
-      associate (mass => state%mass, volume => state%volume, porosity => state%pores%porosity, &
-         strain => state%plastic_strain, pressure => deformation%pressure, &
-         trial => deformation%plastic_increment, square => deformation%wave_speed)
-         do concurrent (n=1:count)
-            modulus = square(offset + n)*mass(before + n)/volume(before + n)
-            group%trial(n) = trial(offset + n)
-            group%trial_pressure(n) = pressure(offset + n)
-            group%bulk(n) = max(modulus - pressure(offset + n), softest*modulus)
-            group%porosity(n) = porosity(before + n)
-            group%strength(n) = yield + hardening*strain(before + n)
-         end do
-      end associate
+      do concurrent (n=1:count)
+         modulus = deformation%wave_speed(offset + n)*state%mass(before + n) &
+            /state%volume(before + n)
+         group%trial(n) = deformation%plastic_increment(offset + n)
+         group%trial_pressure(n) = deformation%pressure(offset + n)
+         group%bulk(n) = max(modulus - deformation%pressure(offset + n), softest*modulus)
+         group%porosity(n) = state%pores%porosity(before + n)
+         group%strength(n) = yield + hardening*state%plastic_strain(before + n)
+      end do
    end subroutine read_group
 
    !> Collect the particles of a group that flow. The others have no increments.

@@ -1,22 +1,47 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Strength of brittle material after Johnson and Holmquist (JH-2), see material_jh2. Damage is
-!! that of damage_model = 'jh2'; without it material stays intact. Damaged material supports less
-!! tension, T (1
-!! - D). Equations (F.12) and (F.13) of doc/theory/failure.md.
+!> Strength of brittle material after G. R. Johnson, T. J. Holmquist, "An improved computational
+!! constitutive model for brittle materials" (AIP Conf. Proc. 309 (1994) 981), known as JH-2.
+!!
+!! In units of the elastic limit (HEL), with p* = p/p_HEL, T* = T/p_HEL:
+!!
+!!    intact     A (p* + T*)**N (1 + C ln(rate))
+!!    fractured  B p***M (1 + C ln(rate)), not above a limit
+!!
+!! and the strength is (1 - D) intact + D fractured. Damage is that of damage_model = 'jh2'; without
+!! it material stays intact. Damaged material supports less tension, T (1 - D). Equations (F.12) and
+!! (F.13) of doc/theory/failure.md.
 module law_jh2
+   use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use material_effects, only: effects_t
+   use material_effects, only: effects_t, in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
-   use material_jh2, only: jh2_t
    use material_law, only: equivalent_stress, law_t, return_radially, strain_trial
    use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
-   public :: law_jh2_t, strain_rate
+   public :: jh2_t, law_jh2_t, strain_rate
+
+   !> Constants.
+   type :: jh2_t
+      real(wp) :: intact = 0.0_wp                    !! A [1]
+      real(wp) :: intact_exponent = 1.0_wp           !! N [1]
+      real(wp) :: fractured = 0.0_wp                 !! B [1]
+      real(wp) :: fractured_exponent = 1.0_wp        !! M [1]
+      real(wp) :: fractured_limit = huge(1.0_wp)     !! Greatest fractured strength [1]
+      real(wp) :: rate_coefficient = 0.0_wp          !! C [1]
+      real(wp) :: reference_rate = 1.0_wp            !! Rate of the static strength [1/s]
+      real(wp) :: tension = 0.0_wp                   !! T, greatest hydrostatic tension [Pa]
+      real(wp) :: pressure = 1.0_wp                  !! p_HEL [Pa]
+      real(wp) :: stress = 1.0_wp                    !! Equivalent stress at the limit [Pa]
+   contains
+      procedure :: read => jh2_read                  !! Reads the keys
+      procedure :: strength => jh2_strength          !! Equivalent stress at yield
+      procedure :: find_strengths => jh2_find_strengths !! Strengths of many particles
+   end type jh2_t
 
    !> Law of Johnson and Holmquist.
    type, extends(law_t) :: law_jh2_t
@@ -40,8 +65,28 @@ contains
    subroutine law_jh2_declare(self, schema)
       class(law_jh2_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
+      character(len=*), parameter :: owner = "effects.strength & strength_model = jh2"
 
-      call self%constants%declare(schema)
+      call schema%real("material", "jh2_a", "JH-2 A, intact strength", range="> 0", owner=owner)
+      call schema%real("material", "jh2_n", "JH-2 N, exponent of intact strength", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "jh2_b", "JH-2 B, fractured strength", range=">= 0", owner=owner)
+      call schema%real("material", "jh2_m", "JH-2 M, exponent of fractured strength", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "jh2_fmax", &
+         "JH-2 greatest fractured strength over the strength at the elastic limit", range="> 0", &
+         owner=owner)
+      call schema%real("material", "jh2_c", "JH-2 C, rate dependence", default="0", range=">= 0", &
+         owner=owner//" & effects.rate")
+      call schema%real("material", "jh2_rate", "JH-2 reference strain rate", unit="1/s", &
+         default="1.0", range="> 0", owner=owner//" & effects.rate")
+      call schema%real("material", "jh2_t", "JH-2 T, greatest hydrostatic tension", unit="Pa", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "jh2_hel", "JH-2 HEL, stress at the Hugoniot elastic limit", &
+         unit="Pa", range="> 0", owner=owner)
+      call schema%real("material", "jh2_phel", &
+         "JH-2 PHEL, pressure at the Hugoniot elastic limit", unit="Pa", range="> 0", owner=owner)
+      call schema%require("material", "jh2_a jh2_n jh2_b jh2_m jh2_t jh2_hel jh2_phel")
    end subroutine law_jh2_declare
 
    !> The Hugoniot elastic limit includes a deviator, so it must exceed the pressure at the limit.
@@ -50,13 +95,10 @@ contains
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
-      real(wp) :: limit, pressure
 
       text = ""
-      if (.not. (group%given("jh2_hel") .and. group%given("jh2_phel"))) return
-      call group%get("jh2_hel", limit)
-      call group%get("jh2_phel", pressure)
-      if (limit <= pressure) text = "jh2_hel must be above jh2_phel [D363]"
+      if (.not. in_order(group, "jh2_phel", "jh2_hel")) &
+         text = "jh2_hel must be above jh2_phel [D363]"
    end function law_jh2_fault
 
    !> Read the keys of the law.
@@ -98,35 +140,31 @@ contains
       call requests%add("energy", "strength model jh2", 1)
    end subroutine law_jh2_request
 
-   !> Return to the yield surface, which does not change in the step.
+   !> Return to the yield surface, which does not change in the step. The pressure stays above the
+   !! tension that damaged material supports.
    pure subroutine law_jh2_update(self, state, deformation, first, last, dt)
       class(law_jh2_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      integer :: count
+      integer :: count, i
 
       count = last - first + 1
-      if (allocated(state%damage)) then
-         deformation%strength%old_damage(:count) = state%damage(first:last)
-      else
-         deformation%strength%old_damage(:count) = 0.0_wp
-      end if
-      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
+      call strain_trial(state, deformation, first, last)
+      call equivalent_stress(state, deformation, first, last)
       call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
-      associate (limit => deformation%strength%tangent, increment => deformation%strength%dilation)
-         call bound_tension(last - first + 1, self%constants%tension, &
-            deformation%strength%old_damage, deformation%pressure)
-         call self%constants%find_strengths(last - first + 1, deformation%pressure, &
-            deformation%strength%strain_rate, deformation%strength%old_damage, limit)
-         call find_increments(last - first + 1, self%shear, deformation%plastic_increment, limit, &
-            increment)
-         call return_radially(first, last, self%shear, limit, increment, state%volume, &
-            state%stress, deformation%plastic_increment, deformation%plastic_work)
-      end associate
+      deformation%strength%old_damage(:count) = 0.0_wp
+      if (allocated(state%damage)) deformation%strength%old_damage(:count) = &
+         state%damage(first:last)
+      do concurrent (i=1:count)
+         deformation%pressure(i) = max(deformation%pressure(i), -self%constants%tension &
+            *(1.0_wp - deformation%strength%old_damage(i)))
+      end do
+      call self%constants%find_strengths(count, deformation%pressure, &
+         deformation%strength%strain_rate, deformation%strength%old_damage, &
+         deformation%strength%tangent)
+      call return_radially(self%shear, 0.0_wp, state, deformation, first, last)
    end subroutine law_jh2_update
 
    !> Equivalent rate of strain, sqrt(2/3 d:d) of its deviator.
@@ -146,44 +184,13 @@ contains
       end do
    end subroutine strain_rate
 
-   !> Keep the pressure above the tension that damaged material supports.
-   pure subroutine bound_tension(count, tension, damage, pressure)
-      integer, intent(in) :: count                   !! Particles of the range
-      real(wp), intent(in) :: tension                !! T of intact material [Pa]
-      real(wp), contiguous, intent(in) :: damage(:)  !! Before the step (range) [1]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      integer :: i
-
-      do concurrent (i=1:count)
-         pressure(i) = max(pressure(i), -tension*(1.0_wp - damage(i)))
-      end do
-   end subroutine bound_tension
-
-   !> Increments of plastic strain of a return to known strengths. Equation (Y.2) of
-   !! doc/theory/strength.md.
-   pure subroutine find_increments(count, shear, trial, limit, increment)
-      integer, intent(in) :: count                   !! Particles of the range
-      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
-      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
-      real(wp), contiguous, intent(in) :: limit(:)   !! Equivalent stress at yield (range) [Pa]
-      real(wp), contiguous, intent(inout) :: increment(:) !! (range) [1]
-      real(wp) :: softness
-      integer :: i
-
-      softness = 1.0_wp/(3.0_wp*shear)
-      do concurrent (i=1:count)
-         increment(i) = max(0.0_wp, trial(i) - limit(i))*softness
-      end do
-   end subroutine find_increments
-
    !> Add the shear modulus to the square of the wave speed, for intact and fractured material. It
    !! does not increase with the volume, otherwise a cloud of fragments would shorten the time step.
    pure subroutine law_jh2_add_wave_speed(self, state, deformation, first, last)
       class(law_jh2_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
@@ -199,4 +206,85 @@ contains
 
       pressure = -self%constants%tension
    end function law_jh2_least_pressure
+
+   !> Read the keys.
+   pure subroutine jh2_read(self, group, effects)
+      class(jh2_t), intent(inout) :: self
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects
+      real(wp) :: limit
+
+      call group%get("jh2_a", self%intact)
+      call group%get("jh2_n", self%intact_exponent)
+      call group%get("jh2_b", self%fractured)
+      call group%get("jh2_m", self%fractured_exponent)
+      if (group%given("jh2_fmax")) call group%get("jh2_fmax", self%fractured_limit)
+      if (effects%rate) then
+         call group%get("jh2_c", self%rate_coefficient)
+         call group%get("jh2_rate", self%reference_rate)
+      end if
+      call group%get("jh2_t", self%tension)
+      call group%get("jh2_phel", self%pressure)
+      call group%get("jh2_hel", limit)
+      self%stress = 1.5_wp*(limit - self%pressure)
+   end subroutine jh2_read
+
+   !> Equivalent stress at yield [Pa].
+   pure real(wp) function jh2_strength(self, pressure, rate, damage) result(stress)
+      class(jh2_t), intent(in) :: self
+      real(wp), intent(in) :: pressure               !! [Pa]
+      real(wp), intent(in) :: rate                   !! Equivalent rate of strain [1/s]
+      real(wp), intent(in) :: damage                 !! D [1]
+      real(wp) :: one(1)
+
+      call self%find_strengths(1, [pressure], [rate], [damage], one)
+      stress = one(1)
+   end function jh2_strength
+
+   !> Equivalent stress at yield of many particles.
+   pure subroutine jh2_find_strengths(self, count, pressure, rate, damage, stress)
+      class(jh2_t), intent(in) :: self
+      integer, intent(in) :: count                   !! Particles of the range
+      real(wp), contiguous, intent(in) :: pressure(:)    !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: rate(:)        !! Equivalent, of strain (range) [1/s]
+      real(wp), contiguous, intent(in) :: damage(:)      !! D (range) [1]
+      real(wp), contiguous, intent(inout) :: stress(:)   !! (range) [Pa]
+      integer, parameter :: most_lanes = 64
+      real(wp), dimension(most_lanes) :: factor, whole, broken
+      real(wp) :: intact, fractured, most, least
+      integer :: i, l, number, offset
+
+      intact = self%intact
+      fractured = self%fractured
+      most = self%fractured_limit
+      least = -self%tension
+      do offset = 0, count - 1, most_lanes
+         number = min(most_lanes, count - offset)
+         !$omp simd private(i)
+         do l = 1, number
+            i = offset + l
+            factor(l) = max(rate(i)/self%reference_rate, 1.0_wp)
+            whole(l) = max((pressure(i) + self%tension)/self%pressure, 0.0_wp)
+            broken(l) = max(pressure(i)/self%pressure, 0.0_wp)
+         end do
+         if (self%rate_coefficient > 0.0_wp) then
+            call take_logarithms(number, factor)
+         else
+            factor(:number) = 0.0_wp
+         end if
+         call take_fast_powers(number, self%intact_exponent, whole)
+         if (any(damage(offset + 1:offset + number) > 0.0_wp)) &
+            call take_fast_powers(number, self%fractured_exponent, broken)
+         !$omp simd private(i)
+         do l = 1, number
+            i = offset + l
+            factor(l) = 1.0_wp + self%rate_coefficient*factor(l)
+            whole(l) = merge(factor(l)*whole(l), 0.0_wp, pressure(i) > least)
+            broken(l) = merge(min(most, fractured*(factor(l)*broken(l))), 0.0_wp, &
+               pressure(i) > 0.0_wp)
+            stress(i) = self%stress*((1.0_wp - damage(i))*(intact*whole(l)) &
+               + damage(i)*broken(l))
+         end do
+      end do
+   end subroutine jh2_find_strengths
 end module law_jh2

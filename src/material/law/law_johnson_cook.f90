@@ -10,7 +10,7 @@ module law_johnson_cook
    use deck_schema, only: schema_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
-   use material_hardening, only: flow_lanes_t, hardening_power_t, most_lanes, &
+   use material_hardening, only: collect_lanes, flow_lanes_t, hardening_power_t, most_lanes, &
       move_flow_results, solve_hardening
    use material_heat, only: homologous_temperature, melting_range_t, read_melting_range
    use material_law, only: equivalent_stress, law_t, strain_trial
@@ -80,7 +80,6 @@ contains
       end if
       if (effects%thermal) then
          call group%get("jc_m", self%softening_exponent)
-         allocate (self%range)
          call read_melting_range(group, self%range)
       end if
    end subroutine johnson_cook_read
@@ -97,116 +96,59 @@ contains
    !> Return to the yield surface, group by group.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
       class(law_johnson_cook_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       type(flow_lanes_t) :: lanes
       type(hardening_power_t) :: power
-      integer :: count, offset
+      real(wp) :: least
+      integer :: i, n, offset
 
-      count = last - first + 1
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      if (allocated(self%range)) then
-         call homologous_temperature(first, last, self%range, state%temperature, &
-            deformation%strength%homologous)
-      else
-         deformation%strength%homologous(1:count) = 0.0_wp
-      end if
-      if (.not. may_flow(self, count, deformation%strength%homologous, &
-         deformation%plastic_increment) > 0.0_wp) then
-         deformation%plastic_increment(1:count) = 0.0_wp
+      n = last - first + 1
+      call equivalent_stress(state, deformation, first, last)
+      call homologous_temperature(self%range, state, deformation, first, last)
+      ! Bound of the yield stress without its powers. In most tiles nothing is above it.
+      least = merge(self%yield, 0.0_wp, self%softening_exponent >= 1.0_wp)
+      do concurrent (i=1:n)
+         deformation%strength%tangent(i) = least*(1.0_wp - deformation%strength%homologous(i))
+      end do
+      if (count(deformation%plastic_increment(1:n) > deformation%strength%tangent(1:n)) == 0) then
+         deformation%plastic_increment(1:n) = 0.0_wp
          return
       end if
-      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
+      call strain_trial(state, deformation, first, last)
       power%exponent = self%exponent
       power%rate_coefficient = self%rate_coefficient
       if (power%rate_coefficient > 0.0_wp) power%rest = dt*self%reference_rate
-      do offset = 0, count - 1, most_lanes
-         call collect(self, offset, min(most_lanes, count - offset), first - 1 + offset, &
-            deformation%strength%homologous, state%plastic_strain, deformation%plastic_increment, &
-            deformation%plastic_work, lanes)
+      do offset = 0, n - 1, most_lanes
+         call collect_lanes(offset, min(most_lanes, n - offset), &
+            deformation%strength%tangent, deformation, lanes)
          if (lanes%count == 0) cycle
-         call soften_lanes(self, lanes)
+         call fill_lanes(self, offset, first - 1 + offset, state, deformation, lanes)
          call solve_hardening(power, lanes)
-         call move_flow_results(offset, first - 1 + offset, lanes, state%volume, state%stress, &
-            state%plastic_strain, deformation%plastic_increment, deformation%plastic_work)
+         call move_flow_results(offset, first - 1 + offset, lanes, state, deformation)
       end do
    end subroutine johnson_cook_update
 
-   !> Bound of the yield stress without its powers, over 1 less the homologous temperature [Pa].
-   pure real(wp) function least_yield(law) result(bound)
-      class(law_johnson_cook_t), intent(in) :: law
-
-      bound = merge(law%yield, 0.0_wp, law%softening_exponent >= 1.0_wp)
-   end function least_yield
-
-   !> Particles whose trial stress is above a bound of the yield stress. In most tiles there are
-   !! none.
-   pure real(wp) function may_flow(law, count, homologous, trial) result(number)
-      class(law_johnson_cook_t), intent(in) :: law
-      integer, intent(in) :: count                   !! Particles of the range
-      real(wp), contiguous, intent(in) :: homologous(:) !! (range) [1]
-      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
-      real(wp) :: bound
-      integer :: i
-
-      bound = least_yield(law)
-      number = 0.0_wp
-      !$omp simd reduction(+: number)
-      do i = 1, count
-         number = number + merge(1.0_wp, 0.0_wp, trial(i) > bound*(1.0_wp - homologous(i)))
-      end do
-   end function may_flow
-
-   !> Collect the particles of a group whose trial stress is above a bound of the yield stress
-   !! without its powers; the others do not flow.
-   ! gate: long kernel because it reads four fields of a group and writes two
-   pure subroutine collect(law, offset, count, before, homologous, plastic_strain, &
-      plastic_increment, plastic_work, lanes)
+   !> Yield stress and hardening of the lanes at their strain and temperature: factor 1 - T***m of
+   !! the homologous temperature.
+   pure subroutine fill_lanes(law, offset, before, state, deformation, lanes)
       class(law_johnson_cook_t), intent(in) :: law
       integer, intent(in) :: offset                  !! Index offset in the range
-      integer, intent(in) :: count                   !! Particles of the group
       integer, intent(in) :: before                  !! Index offset in the store
-      real(wp), contiguous, intent(in) :: homologous(:)            !! (range) [1]
-      real(wp), contiguous, intent(in) :: plastic_strain(:)        !! (store) [1]
-      !> Equivalent trial stress [Pa] in, 0 [1] out where nothing flows (range).
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      !> Trial deviator times strain increment [Pa] in, 0 [J] out where nothing flows (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
+      type(material_state_t), intent(in) :: state    !! State of the store
+      type(deformation_t), intent(in) :: deformation !! With the homologous temperature
       type(flow_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: unbounded = 1.0e200_wp
-      real(wp) :: bound
-      integer :: i, l, n
-
-      bound = least_yield(law)
-      lanes%count = 0
-      do n = 1, count
-         i = offset + n
-         if (plastic_increment(i) > bound*(1.0_wp - homologous(i))) then
-            l = lanes%count + 1
-            lanes%count = l
-            lanes%place(l) = n
-            lanes%trial(l) = plastic_increment(i)
-            lanes%stiffness(l) = 3.0_wp*law%shear
-            lanes%factor(l) = homologous(i)
-            lanes%argument(l) = plastic_strain(before + n)
-            lanes%greatest(l) = unbounded
-         else
-            plastic_increment(i) = 0.0_wp
-            plastic_work(i) = 0.0_wp
-         end if
-      end do
-   end subroutine collect
-
-   !> Yield stress and hardening of the lanes at their temperature: factor 1 - T***m of the
-   !! homologous temperature.
-   pure subroutine soften_lanes(law, lanes)
-      class(law_johnson_cook_t), intent(in) :: law
-      type(flow_lanes_t), intent(inout) :: lanes           !! Factor: homologous temperature in
       integer :: l
 
+      do l = 1, lanes%count
+         lanes%factor(l) = deformation%strength%homologous(offset + lanes%place(l))
+         lanes%argument(l) = state%plastic_strain(before + lanes%place(l))
+         lanes%stiffness(l) = 3.0_wp*law%shear
+         lanes%greatest(l) = unbounded
+      end do
       ! A power of one changes no bit.
       if (allocated(law%range) .and. abs(law%softening_exponent - 1.0_wp) > 0.0_wp) &
          call take_fast_powers(lanes%count, law%softening_exponent, lanes%factor)
@@ -214,5 +156,5 @@ contains
          lanes%fixed(l) = law%yield*(1.0_wp - lanes%factor(l))
          lanes%amplitude(l) = law%hardening*(1.0_wp - lanes%factor(l))
       end do
-   end subroutine soften_lanes
+   end subroutine fill_lanes
 end module law_johnson_cook

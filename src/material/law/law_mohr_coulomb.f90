@@ -9,8 +9,7 @@ module law_mohr_coulomb
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use material_effects, only: effects_t
-   use material_eos, only: eos_t
-   use material_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
+   use material_friction, only: add_dilation, add_dilation_pressure, angles_t, &
       frictional_t, read_angles
    use material_law, only: equivalent_stress
    use material_principal, only: compose, principal
@@ -26,23 +25,12 @@ module law_mohr_coulomb
       real(wp) :: dilation = 0.0_wp                  !! Sine of the angle of dilation [1]
       real(wp) :: strength = 0.0_wp                  !! 2 c cos(phi) [Pa]
    contains
-      procedure :: fault => mohr_coulomb_fault       !! Invalid combination of angles
       procedure :: read => mohr_coulomb_read         !! Reads its keys
       procedure :: set => mohr_coulomb_set           !! Surface from the angles
       procedure :: update => mohr_coulomb_update     !! Return to plane, edge or apex
    end type law_mohr_coulomb_t
 
 contains
-
-   !> Error in the combination of the angles; empty if there is none.
-   pure function mohr_coulomb_fault(self, group, eos) result(text)
-      class(law_mohr_coulomb_t), intent(in) :: self
-      type(group_t), intent(in) :: group             !! &material
-      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
-      character(len=:), allocatable :: text
-
-      text = angle_fault(group, eos)
-   end function mohr_coulomb_fault
 
    !> Read the keys of the law, which those of Drucker and Prager declare.
    pure subroutine mohr_coulomb_read(self, group, effects)
@@ -75,16 +63,13 @@ contains
       class(law_mohr_coulomb_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       real(wp) :: s(6), strain(6), pressure, bulk, inside, inner, offset
       integer :: i, k
 
-      if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
-         state%plastic_dilation, state%mass, state%volume, deformation%wave_speed, &
-         deformation%pressure, deformation%strength%tangent)
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
+      call add_dilation_pressure(state, deformation, first, last)
+      call equivalent_stress(state, deformation, first, last)
       inner = 1.0_wp/sqrt(1.0_wp + self%friction**2/3.0_wp)
       offset = 0.5_wp*sqrt(3.0_wp)*self%strength*inner
       inner = sqrt(3.0_wp)*self%friction*inner
@@ -98,20 +83,14 @@ contains
          strain = [deformation%gradient(i, [1, 5, 9]), 0.5_wp*(deformation%gradient(i, [2, 6, 3]) &
             + deformation%gradient(i, [4, 8, 7]))]
          pressure = deformation%pressure(i)
-         bulk = state%mass(k)/state%volume(k)
-         if (allocated(state%plastic_dilation)) then
-            bulk = bulk*deformation%strength%tangent(i)
-         else
-            bulk = bulk*deformation%wave_speed(i)
-         end if
+         bulk = state%mass(k)/state%volume(k)*deformation%strength%tangent(i)
          call flow(self, bulk, strain, s, pressure, deformation%plastic_increment(i), &
             deformation%plastic_work(i), deformation%strength%dilation(i))
          state%stress(k, :) = s
          deformation%pressure(i) = pressure
          deformation%plastic_work(i) = deformation%plastic_work(i)*state%volume(k)
       end do
-      if (allocated(state%plastic_dilation)) &
-         call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
+      call add_dilation(state, deformation, first, last)
    end subroutine mohr_coulomb_update
 
    !> One particle: deviator and pressure after the flow, and the plastic work.

@@ -10,7 +10,7 @@ module law_mu_i
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use material_effects, only: effects_t
+   use material_effects, only: effects_t, in_order
    use material_eos, only: eos_t
    use material_friction, only: frictional_t
    use material_law, only: equivalent_stress, strain_trial
@@ -63,13 +63,10 @@ contains
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
-      real(wp) :: slow, fast
 
       text = ""
-      if (.not. (group%known("mu_s") .and. group%known("mu_2"))) return
-      call group%get("mu_s", slow)
-      call group%get("mu_2", fast)
-      if (fast < slow) text = "mu_2 must not be below mu_s [D363]"
+      if (.not. in_order(group, "mu_s", "mu_2", equal=.true.)) &
+         text = "mu_2 must not be below mu_s [D363]"
    end function mu_i_fault
 
    !> Read the keys of the law. All frictional work becomes heat.
@@ -98,92 +95,72 @@ contains
       has = .true.
    end function mu_i_has_grains
 
-   !> Return to the flow stress.
+   !> Return to the flow stress. The shear stress t after the step, t' before the flow, solves both
+   !! t' - t = G dt rate and t = c + mu(I) p: with a = G dt I0/d sqrt(p/rho_s) and the strengths l =
+   !! c + mu_s p of slow and h = c + mu_2 p of fast flow it is the smaller root of t**2 - (h + t' +
+   !! a) t + h t' + l a = 0 (Dunatunga and Kamrin, as above, without c). In tension the friction is
+   !! mu_s, up to the apex at p = -c/mu_s. Equation (Y.26).
    pure subroutine mu_i_update(self, state, deformation, first, last, dt)
       class(law_mu_i_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp), parameter :: root = sqrt(3.0_wp)
+      real(wp) :: load, trial, tau, delay, half, low, high, scaling, cohesion, fast, slow, apex, &
+         shear, scale
+      integer :: i, k
 
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
-      call return_to_flow(first, last, self, dt, state%volume, state%stress, &
-         deformation%pressure, deformation%plastic_increment, deformation%plastic_work)
-      if (allocated(state%recorded%inertial_number)) call note_inertial_number(first, last, &
-         self%grain/dt, deformation%pressure, deformation%plastic_increment, &
-         state%recorded%inertial_number)
+      call equivalent_stress(state, deformation, first, last)
+      call strain_trial(state, deformation, first, last)
+      cohesion = self%cohesion
+      fast = self%fast
+      slow = self%slow
+      apex = self%apex
+      shear = self%shear
+      scale = self%scale
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         deformation%pressure(i) = max(deformation%pressure(i), apex)
+         load = max(deformation%pressure(i), 0.0_wp)
+         trial = deformation%plastic_increment(i)/root
+         low = max(cohesion + slow*deformation%pressure(i), 0.0_wp)
+         high = merge(cohesion + fast*load, low, deformation%pressure(i) > 0.0_wp)
+         delay = shear*dt*scale*sqrt(load)
+         half = 0.5_wp*(high + trial + delay)
+         ! The discriminant, as a sum of terms that are not negative where trial is above low.
+         tau = sqrt(max(0.0_wp, 0.25_wp*(high - trial)**2 + 0.25_wp*delay**2 &
+            + 0.5_wp*delay*(high + trial - 2.0_wp*low)))
+         tau = (high*trial + low*delay)/max(half + tau, tiny(1.0_wp))
+         tau = merge(trial, min(tau, trial, high), trial <= low)
+         deformation%plastic_increment(i) = (trial - tau)/(root*shear)
+         scaling = tau/max(trial, tiny(1.0_wp))
+         scaling = merge(1.0_wp, scaling, trial <= low)
+         deformation%plastic_work(i) = state%volume(k)*max(0.0_wp, 0.5_wp*(1.0_wp - scaling) &
+            *((1.0_wp + scaling)*trial**2/shear - deformation%plastic_work(i)))
+         state%stress(k, 1:6) = scaling*state%stress(k, 1:6)
+      end do
+      if (allocated(state%recorded%inertial_number)) &
+         call note_inertial_number(self%grain/dt, state, deformation, first, last)
    end subroutine mu_i_update
 
    !> Inertial number of the step, that of the shear rate of the flow, 0 where no pressure holds
    !! grains together. Equation (Y.25).
-   pure subroutine note_inertial_number(first, last, scale, pressure, plastic_increment, number)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+   pure subroutine note_inertial_number(scale, state, deformation, first, last)
       real(wp), intent(in) :: scale                  !! d sqrt(rho_s) over the time step [Pa^1/2]
-      real(wp), contiguous, intent(in) :: pressure(:)          !! After the step (range) [Pa]
-      real(wp), contiguous, intent(in) :: plastic_increment(:) !! (range) [1]
-      real(wp), contiguous, intent(inout) :: number(:)         !! (store) [1]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(in) :: deformation       !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       ! An initial state above the strength, as files may contain, flows in a step of zero length.
       real(wp), parameter :: root = sqrt(3.0_wp), most = 1.0e30_wp
+      real(wp) :: number, pressure
       integer :: i
 
       do concurrent (i=1:last - first + 1)
-         number(first - 1 + i) = merge(min(root*plastic_increment(i)*scale &
-            /sqrt(max(pressure(i), tiny(most))), most), 0.0_wp, pressure(i) > 0.0_wp)
+         pressure = deformation%pressure(i)
+         number = min(root*deformation%plastic_increment(i)*scale &
+            /sqrt(max(pressure, tiny(most))), most)
+         state%recorded%inertial_number(first - 1 + i) = merge(number, 0.0_wp, pressure > 0.0_wp)
       end do
    end subroutine note_inertial_number
-
-   !> Kernel of the above. The shear stress t after the step, t' before the flow, solves both t' - t
-   !! = G dt rate and t = c + mu(I) p: with a = G dt I0/d sqrt(p/rho_s) and the strengths l = c +
-   !! mu_s p of slow and h = c + mu_2 p of fast flow it is the smaller root of t**2 - (h + t' + a) t
-   !! + h t' + l a = 0 (Dunatunga and Kamrin, as above, without c). In tension the friction is mu_s,
-   !! up to the apex at p = -c/mu_s. Equation (Y.26).
-   pure subroutine return_to_flow(first, last, law, dt, volume, stress, pressure, &
-      plastic_increment, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      type(law_mu_i_t), intent(in) :: law            !! Constants
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
-      real(wp), parameter :: root = sqrt(3.0_wp)
-      real(wp) :: load, trial, shear, delay, half, low, high, scaling, cohesion, fast
-      integer :: i, k
-
-      cohesion = law%cohesion
-      fast = law%fast
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         pressure(i) = max(pressure(i), law%apex)
-         load = max(pressure(i), 0.0_wp)
-         trial = plastic_increment(i)/root
-         low = max(law%cohesion + law%slow*pressure(i), 0.0_wp)
-         high = merge(cohesion + fast*load, low, pressure(i) > 0.0_wp)
-         delay = law%shear*dt*law%scale*sqrt(load)
-         half = 0.5_wp*(high + trial + delay)
-         ! The discriminant, as a sum of terms that are not negative where trial is above low.
-         shear = sqrt(max(0.0_wp, 0.25_wp*(high - trial)**2 + 0.25_wp*delay**2 &
-            + 0.5_wp*delay*(high + trial - 2.0_wp*low)))
-         shear = (high*trial + low*delay)/max(half + shear, tiny(1.0_wp))
-         shear = merge(trial, min(shear, trial, high), trial <= low)
-         plastic_increment(i) = (trial - shear)/(root*law%shear)
-         scaling = shear/max(trial, tiny(1.0_wp))
-         scaling = merge(1.0_wp, scaling, trial <= low)
-         plastic_work(i) = volume(k)*max(0.0_wp, 0.5_wp*(1.0_wp - scaling) &
-            *((1.0_wp + scaling)*trial**2/law%shear - plastic_work(i)))
-         stress(k, 1) = scaling*stress(k, 1)
-         stress(k, 2) = scaling*stress(k, 2)
-         stress(k, 3) = scaling*stress(k, 3)
-         stress(k, 4) = scaling*stress(k, 4)
-         stress(k, 5) = scaling*stress(k, 5)
-         stress(k, 6) = scaling*stress(k, 6)
-      end do
-   end subroutine return_to_flow
 end module law_mu_i

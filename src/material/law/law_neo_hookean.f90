@@ -64,36 +64,71 @@ contains
       class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
-      call deform(first, last, deformation%gradient, state%volume, state%deformation_gradient, &
-         deformation%old_volume, deformation%dilatation)
+      call deform(state, deformation, first, last)
    end subroutine neo_hookean_predict_trial
 
    !> Deviator and pressure of the stress.
    pure subroutine neo_hookean_update(self, state, deformation, first, last, dt)
       class(law_neo_hookean_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp) :: f(9), s(6), lambda, mu, mean
+      integer :: i, k
 
-      call stress_of_state(first, last, self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, &
-         state%deformation_gradient, state%stress, deformation%pressure)
+      lambda = self%bulk - 2.0_wp/3.0_wp*self%shear
+      mu = self%shear
+      call find_logarithms(first, last, state%deformation_gradient, deformation%pressure)
+      !$omp simd private(k, f, s, mean)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         f(:) = state%deformation_gradient(k, 1:9)
+         call stress_with_logarithm(lambda*deformation%pressure(i), mu, f, s)
+         mean = (s(1) + s(2) + s(3))/3.0_wp
+         state%stress(k, 1) = s(1) - mean
+         state%stress(k, 2) = s(2) - mean
+         state%stress(k, 3) = s(3) - mean
+         state%stress(k, 4) = s(4)
+         state%stress(k, 5) = s(5)
+         state%stress(k, 6) = s(6)
+         deformation%pressure(i) = -mean
+      end do
    end subroutine neo_hookean_update
 
    !> Square of the fastest wave speed.
+   !!
+   !! The acoustic tensor of the tangent in the direction n is, with b = F F^T,
+   !! ((lambda + mu - lambda ln J) n n + mu (n b n) I)/J, so that waves of pressure have
+   !! rho0 c**2 = lambda + mu - lambda ln J + mu n b n. The greatest eigenvalue of b is bounded by
+   !! tr b/3 + sqrt(2/3 b' : b'), which is that of a stretch along one axis. The speed is not less
+   !! than at rest. Equation (Y.12).
    pure subroutine neo_hookean_add_wave_speed(self, state, deformation, first, last)
       class(law_neo_hookean_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: f(9), b(6), lambda, mu, j, mean, largest
+      integer :: i, k
 
-      call fastest_wave(first, last, self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, &
-         state%mass, state%volume, state%deformation_gradient, deformation%wave_speed)
+      lambda = self%bulk - 2.0_wp/3.0_wp*self%shear
+      mu = self%shear
+      call find_logarithms(first, last, state%deformation_gradient, deformation%wave_speed)
+      !$omp simd private(k, f, b, j, mean, largest)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         f(:) = state%deformation_gradient(k, 1:9)
+         j = ratio(f)
+         call stress_with_logarithm(0.0_wp, 1.0_wp, f, b)
+         b(:) = j*b
+         mean = (b(1) + b(2) + b(3))/3.0_wp
+         largest = 1.0_wp + mean + sqrt(2.0_wp/3.0_wp*((b(1) - mean)**2 + (b(2) - mean)**2 &
+            + (b(3) - mean)**2 + 2.0_wp*(b(4)**2 + b(5)**2 + b(6)**2)))
+         deformation%wave_speed(i) = max(lambda + 2.0_wp*mu, mu*largest + max(lambda + mu - lambda &
+            *deformation%wave_speed(i), 0.0_wp))*state%volume(k)/(state%mass(k)*j)
+      end do
    end subroutine neo_hookean_add_wave_speed
 
    !> Energy of a particle, whose reference volume is V/J.
@@ -156,89 +191,17 @@ contains
 
    !> Logarithms of J of all particles of a range.
    pure subroutine find_logarithms(first, last, deformation_gradient, values)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: deformation_gradient(:, :) !! F (store, 9) [1]
       real(wp), contiguous, intent(inout) :: values(:) !! ln J (range) [1]
       real(wp) :: f(9)
-      integer :: i, row
+      integer :: i
 
-      !$omp simd private(row, f)
+      !$omp simd private(f)
       do i = 1, last - first + 1
-         do row = 1, 9
-            f(row) = deformation_gradient(first - 1 + i, row)
-         end do
+         f(:) = deformation_gradient(first - 1 + i, 1:9)
          values(i) = ratio(f)
       end do
       call take_logarithms(last - first + 1, values)
    end subroutine find_logarithms
-
-   !> Deviator and pressure of all particles of a range.
-   pure subroutine stress_of_state(first, last, lambda, mu, deformation_gradient, stress, pressure)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: lambda                 !! First parameter of Lame [Pa]
-      real(wp), intent(in) :: mu                     !! Shear modulus [Pa]
-      real(wp), contiguous, intent(in) :: deformation_gradient(:, :) !! F (store, 9) [1]
-      real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator on return (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp) :: f(9), s(6), mean
-      integer :: i, k, row
-
-      call find_logarithms(first, last, deformation_gradient, pressure)
-      !$omp simd private(k, row, f, s, mean)
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         do row = 1, 9
-            f(row) = deformation_gradient(k, row)
-         end do
-         call stress_with_logarithm(lambda*pressure(i), mu, f, s)
-         mean = (s(1) + s(2) + s(3))/3.0_wp
-         stress(k, 1) = s(1) - mean
-         stress(k, 2) = s(2) - mean
-         stress(k, 3) = s(3) - mean
-         stress(k, 4) = s(4)
-         stress(k, 5) = s(5)
-         stress(k, 6) = s(6)
-         pressure(i) = -mean
-      end do
-   end subroutine stress_of_state
-
-   !> Square of the fastest wave speed.
-   !!
-   !! The acoustic tensor of the tangent in the direction n is, with b = F F^T,
-   !! ((lambda + mu - lambda ln J) n n + mu (n b n) I)/J, so that waves of pressure have
-   !! rho0 c**2 = lambda + mu - lambda ln J + mu n b n. The greatest eigenvalue of b is bounded by
-   !! tr b/3 + sqrt(2/3 b' : b'), which is that of a stretch along one axis. The speed is not less
-   !! than at rest. Equation (Y.12).
-   pure subroutine fastest_wave(first, last, lambda, mu, mass, volume, deformation_gradient, &
-      wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: lambda                 !! First parameter of Lame [Pa]
-      real(wp), intent(in) :: mu                     !! Shear modulus [Pa]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: deformation_gradient(:, :) !! F (store, 9) [1]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Its square (range) [m2/s2]
-      real(wp) :: f(9), b(6), j, mean, largest
-      integer :: i, k, row
-
-      call find_logarithms(first, last, deformation_gradient, wave_speed)
-      !$omp simd private(k, row, f, b, j, mean, largest)
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         do row = 1, 9
-            f(row) = deformation_gradient(k, row)
-         end do
-         j = ratio(f)
-         call stress_with_logarithm(0.0_wp, 1.0_wp, f, b)
-         b(:) = j*b
-         mean = (b(1) + b(2) + b(3))/3.0_wp
-         largest = 1.0_wp + mean + sqrt(2.0_wp/3.0_wp*((b(1) - mean)**2 + (b(2) - mean)**2 &
-            + (b(3) - mean)**2 + 2.0_wp*(b(4)**2 + b(5)**2 + b(6)**2)))
-         wave_speed(i) = max(lambda + 2.0_wp*mu, mu*largest &
-            + max(lambda + mu - lambda*wave_speed(i), 0.0_wp))*volume(k)/(mass(k)*j)
-      end do
-   end subroutine fastest_wave
 end module law_neo_hookean

@@ -6,7 +6,6 @@ module law_newtonian
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
    use material_effects, only: effects_t
-   use material_field_requests, only: field_requests_t
    use material_kinematics, only: dilate
    use material_law, only: law_t
    use material_state, only: deformation_t, material_state_t
@@ -24,13 +23,10 @@ module law_newtonian
       procedure :: read => newtonian_read            !! Reads its key
       procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
       procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
-      procedure :: request => newtonian_request      !! Requests no fields
       procedure :: predict_trial => newtonian_predict_trial !! Volume, there is no trial
       procedure :: update => newtonian_update        !! Viscous stress
-      procedure :: add_wave_speed => newtonian_add_wave_speed !! Nothing
       !> Limit of the time step by diffusion
       procedure :: add_viscous_speed => newtonian_add_viscous_speed
-      procedure :: stored_energy => newtonian_stored_energy !! Nothing
    end type law_newtonian_t
 
 contains
@@ -55,7 +51,7 @@ contains
       self%heat_share = 1.0_wp
    end subroutine newtonian_read
 
-   !> A fluid has no shear modulus.
+   !> A fluid has no shear modulus: shear diffuses, has no wave speed and stores nothing.
    pure logical function newtonian_has_shear(self) result(has)
       class(law_newtonian_t), intent(in) :: self
 
@@ -69,82 +65,49 @@ contains
       follows = .true.
    end function newtonian_follows_density
 
-   !> A fluid has no state variables.
-   pure subroutine newtonian_request(self, requests)
-      class(law_newtonian_t), intent(in) :: self
-      class(field_requests_t), intent(inout) :: requests
-   end subroutine newtonian_request
-
    !> Volume after the step.
    pure subroutine newtonian_predict_trial(self, state, deformation, first, last)
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
 
-      call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
-         deformation%dilatation)
+      call dilate(state, deformation, first, last)
    end subroutine newtonian_predict_trial
 
    !> Viscous stress and viscous work.
    pure subroutine newtonian_update(self, state, deformation, first, last, dt)
       class(law_newtonian_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-
-      call shear_stress(first, last, self%viscosity/dt, deformation%gradient, state%volume, &
-         state%stress, deformation%plastic_increment, deformation%plastic_work)
-      if (allocated(state%failed)) call remove_failed_deviator(first, last, state%failed, &
-         state%stress)
-   end subroutine newtonian_update
-
-   !> Kernel of the above.
-   pure subroutine shear_stress(first, last, factor, gradient, volume, stress, plastic_increment, &
-      plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: factor                 !! Viscosity over time step [Pa]
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: plastic_increment(:) !! Equivalent (range) [1]
-      real(wp), contiguous, intent(inout) :: plastic_work(:)      !! (range) [J]
-      real(wp) :: mean, xx, yy, zz, xy, yz, xz, square
+      real(wp) :: factor, mean, xx, yy, zz, xy, yz, xz, square
       integer :: i, k
 
+      factor = self%viscosity/dt
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         mean = (gradient(i, 1) + gradient(i, 5) + gradient(i, 9))/3.0_wp
-         xx = gradient(i, 1) - mean
-         yy = gradient(i, 5) - mean
-         zz = gradient(i, 9) - mean
-         xy = 0.5_wp*(gradient(i, 2) + gradient(i, 4))
-         yz = 0.5_wp*(gradient(i, 6) + gradient(i, 8))
-         xz = 0.5_wp*(gradient(i, 3) + gradient(i, 7))
-         stress(k, 1) = 2.0_wp*factor*xx
-         stress(k, 2) = 2.0_wp*factor*yy
-         stress(k, 3) = 2.0_wp*factor*zz
-         stress(k, 4) = 2.0_wp*factor*xy
-         stress(k, 5) = 2.0_wp*factor*yz
-         stress(k, 6) = 2.0_wp*factor*xz
+         mean = (deformation%gradient(i, 1) + deformation%gradient(i, 5) &
+            + deformation%gradient(i, 9))/3.0_wp
+         xx = deformation%gradient(i, 1) - mean
+         yy = deformation%gradient(i, 5) - mean
+         zz = deformation%gradient(i, 9) - mean
+         xy = 0.5_wp*(deformation%gradient(i, 2) + deformation%gradient(i, 4))
+         yz = 0.5_wp*(deformation%gradient(i, 6) + deformation%gradient(i, 8))
+         xz = 0.5_wp*(deformation%gradient(i, 3) + deformation%gradient(i, 7))
+         state%stress(k, 1) = 2.0_wp*factor*xx
+         state%stress(k, 2) = 2.0_wp*factor*yy
+         state%stress(k, 3) = 2.0_wp*factor*zz
+         state%stress(k, 4) = 2.0_wp*factor*xy
+         state%stress(k, 5) = 2.0_wp*factor*yz
+         state%stress(k, 6) = 2.0_wp*factor*xz
          square = xx**2 + yy**2 + zz**2 + 2.0_wp*(xy**2 + yz**2 + xz**2)
-         plastic_increment(i) = sqrt(2.0_wp/3.0_wp*square)
-         plastic_work(i) = 2.0_wp*factor*square*volume(k)
+         deformation%plastic_increment(i) = sqrt(2.0_wp/3.0_wp*square)
+         deformation%plastic_work(i) = 2.0_wp*factor*square*state%volume(k)
       end do
-   end subroutine shear_stress
-
-   !> Shear diffuses and has no wave speed.
-   pure subroutine newtonian_add_wave_speed(self, state, deformation, first, last)
-      class(law_newtonian_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
-      type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-   end subroutine newtonian_add_wave_speed
+      call remove_failed_deviator(state, first, last)
+   end subroutine newtonian_update
 
    !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
    !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Together both
@@ -153,36 +116,16 @@ contains
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: spacing                      !! Cell size [m]
-
-      call diffuse(first, last, 8.0_wp/3.0_wp*self%viscosity/spacing, state%mass, state%volume, &
-         deformation%wave_speed)
-   end subroutine newtonian_add_viscous_speed
-
-   !> Kernel of the above.
-   pure subroutine diffuse(first, last, factor, mass, volume, wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: factor                 !! Density times 2 Q [kg/(m2 s)]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: wave_speed(:) !! (range) [m/s]
+      real(wp) :: factor
       integer :: i, k
 
+      factor = 8.0_wp/3.0_wp*self%viscosity/spacing
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         wave_speed(i) = wave_speed(i) + factor*volume(k)/mass(k)
+         deformation%wave_speed(i) = deformation%wave_speed(i) + factor*state%volume(k) &
+            /state%mass(k)
       end do
-   end subroutine diffuse
-
-   !> Viscous stress stores nothing.
-   pure real(wp) function newtonian_stored_energy(self, state, particle) result(energy)
-      class(law_newtonian_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                       !! Index in the store
-
-      energy = 0.0_wp
-   end function newtonian_stored_energy
+   end subroutine newtonian_add_viscous_speed
 end module law_newtonian

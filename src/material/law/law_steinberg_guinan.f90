@@ -11,13 +11,13 @@
 !! doc/theory/strength.md.
 module law_steinberg_guinan
    use base_elementary, only: take_exponentials, take_fast_powers
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use material_effects, only: effects_t
+   use material_effects, only: effects_t, in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
-   use material_hardening, only: flow_lanes_t, hardening_power_t, most_lanes, &
+   use material_hardening, only: collect_lanes, flow_lanes_t, hardening_power_t, most_lanes, &
       move_flow_results, solve_hardening
    use material_kinematics, only: predict_deviator
    use material_law, only: equivalent_stress, law_stored_energy, law_t, strain_trial
@@ -105,7 +105,7 @@ contains
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
-      real(wp) :: number, other
+      real(wp) :: number
 
       text = ""
       if (group%known("scg_gp")) then
@@ -113,11 +113,8 @@ contains
          if (number > 1.0e-6_wp) text = "scg_gp is per Pa; was it given per Mbar? Then "// &
             "write it with e-11 (1 Mbar = 1e11 Pa) [D505]"
       end if
-      if (group%known("scg_y0") .and. group%known("scg_ymax")) then
-         call group%get("scg_y0", number)
-         call group%get("scg_ymax", other)
-         if (other < number) text = "scg_ymax must not be below scg_y0 [D363]"
-      end if
+      if (.not. in_order(group, "scg_y0", "scg_ymax", equal=.true.)) &
+         text = "scg_ymax must not be below scg_y0 [D363]"
    end function steinberg_guinan_fault
 
    !> Read the keys of the law.
@@ -167,8 +164,7 @@ contains
    pure subroutine find_moduli(law, state, first, last, pressure, ratio)
       class(law_steinberg_guinan_t), intent(in) :: law
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: pressure(:)   !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: ratio(:)   !! (range) [1]
       real(wp), parameter :: third = 1.0_wp/3.0_wp
@@ -220,36 +216,26 @@ contains
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      integer :: i, k
+      integer, intent(in) :: first, last                   !! Particles of the range
 
-      associate (ratio => deformation%strength%shear_ratio, stress => state%stress, &
-         pressure => deformation%pressure)
-         do concurrent (i=1:last - first + 1)
-            k = first - 1 + i
-            pressure(i) = -(stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
-         end do
-         if (allocated(state%viscous_pressure)) pressure(:last - first + 1) = &
-            pressure(:last - first + 1) - state%viscous_pressure(first:last)
-         call find_moduli(self, state, first, last, pressure, ratio)
-         do concurrent (i=1:last - first + 1)
-            ratio(i) = max(ratio(i), least_modulus)
-         end do
-         call scale_stress(first, last, ratio, stress, .true.)
-         call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
-            state%volume, stress, deformation%old_volume, deformation%dilatation, pressure)
-         call scale_stress(first, last, ratio, stress, .false.)
-         do concurrent (i=1:last - first + 1)
-            pressure(i) = pressure(i)*ratio(i)
-         end do
-      end associate
+      deformation%pressure(:last - first + 1) = -(state%stress(first:last, 1) &
+         + state%stress(first:last, 2) + state%stress(first:last, 3))/3.0_wp
+      if (allocated(state%viscous_pressure)) deformation%pressure(:last - first + 1) = &
+         deformation%pressure(:last - first + 1) - state%viscous_pressure(first:last)
+      call find_moduli(self, state, first, last, deformation%pressure, &
+         deformation%strength%shear_ratio)
+      deformation%strength%shear_ratio(:last - first + 1) = &
+         max(deformation%strength%shear_ratio(:last - first + 1), least_modulus)
+      call scale_stress(first, last, deformation%strength%shear_ratio, state%stress, .true.)
+      call predict_deviator(self%shear, state, deformation, first, last)
+      call scale_stress(first, last, deformation%strength%shear_ratio, state%stress, .false.)
+      deformation%pressure(:last - first + 1) = deformation%pressure(:last - first + 1) &
+         *deformation%strength%shear_ratio(:last - first + 1)
    end subroutine steinberg_guinan_predict_trial
 
    !> Multiply or divide stresses by the ratio of moduli.
    pure subroutine scale_stress(first, last, ratio, stress, divides)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       real(wp), contiguous, intent(in) :: ratio(:)   !! (range) [1]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! (store, 6) [Pa]
       logical, intent(in) :: divides                 !! Divide, else multiply
@@ -260,117 +246,78 @@ contains
          k = first - 1 + i
          factor = 1.0_wp/ratio(i)
          if (.not. divides) factor = ratio(i)
-         stress(k, 1) = factor*stress(k, 1)
-         stress(k, 2) = factor*stress(k, 2)
-         stress(k, 3) = factor*stress(k, 3)
-         stress(k, 4) = factor*stress(k, 4)
-         stress(k, 5) = factor*stress(k, 5)
-         stress(k, 6) = factor*stress(k, 6)
+         stress(k, 1:6) = factor*stress(k, 1:6)
       end do
    end subroutine scale_stress
 
-   !> Return to the yield surface of the new pressure, group by group.
+   !> Return to the yield surface of the new pressure, group by group. Without hardening it is a
+   !! bound of the yield stress.
    pure subroutine steinberg_guinan_update(self, state, deformation, first, last, dt)
       class(law_steinberg_guinan_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       type(flow_lanes_t) :: lanes
       type(hardening_power_t) :: power
-      integer :: offset
+      integer :: count, offset
 
-      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      call find_moduli(self, state, first, last, deformation%pressure, &
-         deformation%strength%tangent)
+      count = last - first + 1
+      call strain_trial(state, deformation, first, last)
+      call equivalent_stress(state, deformation, first, last)
+      call find_moduli(self, state, first, last, deformation%pressure, deformation%strength%tangent)
+      deformation%strength%dilation(:count) = self%yield*deformation%strength%tangent(:count)
       power%exponent = self%exponent
       power%growth = self%hardening
-      do offset = 0, last - first, most_lanes
-         call collect(self, offset, min(most_lanes, last - first + 1 - offset), &
-            first - 1 + offset, deformation%strength%tangent, deformation%strength%shear_ratio, &
-            state%plastic_strain, deformation%plastic_increment, deformation%plastic_work, lanes)
+      do offset = 0, count - 1, most_lanes
+         call collect_lanes(offset, min(most_lanes, count - offset), &
+            deformation%strength%dilation, deformation, lanes)
          if (lanes%count == 0) cycle
+         call fill_lanes(self, offset, first - 1 + offset, state, deformation, lanes)
          call solve_hardening(power, lanes)
-         call move_flow_results(offset, first - 1 + offset, lanes, state%volume, state%stress, &
-            state%plastic_strain, deformation%plastic_increment, deformation%plastic_work)
+         call move_flow_results(offset, first - 1 + offset, lanes, state, deformation)
       end do
    end subroutine steinberg_guinan_update
 
-   !> Collect the particles of a group whose trial stress is above the yield stress without
-   !! hardening; the others do not flow.
-   ! gate: long kernel because it reads five fields of a group and writes two
-   pure subroutine collect(law, offset, count, before, ratio, trial_ratio, plastic_strain, &
-      plastic_increment, plastic_work, lanes)
+   !> Strength of the lanes at their strain, pressure and temperature.
+   pure subroutine fill_lanes(law, offset, before, state, deformation, lanes)
       class(law_steinberg_guinan_t), intent(in) :: law
       integer, intent(in) :: offset                  !! Index offset in the range
-      integer, intent(in) :: count                   !! Particles of the group
       integer, intent(in) :: before                  !! Index offset in the store
-      real(wp), contiguous, intent(in) :: ratio(:)       !! G/G0 after the step (range) [1]
-      real(wp), contiguous, intent(in) :: trial_ratio(:) !! G/G0 of the trial (range) [1]
-      real(wp), contiguous, intent(in) :: plastic_strain(:)        !! (store) [1]
-      !> Equivalent trial stress [Pa] in, 0 [1] out where nothing flows (range).
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      !> Trial deviator times strain increment [Pa] in, 0 [J] out where nothing flows (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
+      type(material_state_t), intent(in) :: state    !! State of the store
+      type(deformation_t), intent(in) :: deformation !! With the moduli of the range
       type(flow_lanes_t), intent(inout) :: lanes
       real(wp) :: modulus
-      integer(int64) :: number
-      integer :: i, l, n
+      integer :: i, l
 
-      lanes%count = 0
-      number = 0
-      !$omp simd reduction(+: number)
-      do i = offset + 1, offset + count
-         number = number + merge(1_int64, 0_int64, plastic_increment(i) > law%yield*ratio(i))
+      do l = 1, lanes%count
+         i = offset + lanes%place(l)
+         ! freezing material uses the modulus after the step, because the modulus of its trial is
+         ! almost zero
+         modulus = max(deformation%strength%tangent(i), least_modulus)
+         if (deformation%strength%shear_ratio(i) > least_modulus) modulus = &
+            deformation%strength%shear_ratio(i)
+         lanes%stiffness(l) = 3.0_wp*law%shear*modulus
+         lanes%fixed(l) = 0.0_wp
+         lanes%amplitude(l) = law%yield*deformation%strength%tangent(i)
+         lanes%argument(l) = 1.0_wp &
+            + law%hardening*(state%plastic_strain(before + lanes%place(l)) + law%strain)
+         lanes%greatest(l) = law%greatest*deformation%strength%tangent(i)
       end do
-      if (number == 0) then
-         plastic_increment(offset + 1:offset + count) = 0.0_wp
-         plastic_work(offset + 1:offset + count) = 0.0_wp
-         return
-      end if
-      do n = 1, count
-         i = offset + n
-         if (plastic_increment(i) > law%yield*ratio(i)) then
-            l = lanes%count + 1
-            lanes%count = l
-            lanes%place(l) = n
-            lanes%trial(l) = plastic_increment(i)
-            ! freezing material uses the modulus after the step, because the modulus of its trial is
-            ! almost zero
-            modulus = max(ratio(i), least_modulus)
-            if (trial_ratio(i) > least_modulus) modulus = trial_ratio(i)
-            lanes%stiffness(l) = 3.0_wp*law%shear*modulus
-            lanes%fixed(l) = 0.0_wp
-            lanes%amplitude(l) = law%yield*ratio(i)
-            lanes%argument(l) = 1.0_wp + law%hardening*(plastic_strain(before + n) + law%strain)
-            lanes%greatest(l) = law%greatest*ratio(i)
-         else
-            plastic_increment(i) = 0.0_wp
-            plastic_work(i) = 0.0_wp
-         end if
-      end do
-   end subroutine collect
+   end subroutine fill_lanes
 
    !> Modulus of the state in the square of the wave speed.
    pure subroutine steinberg_guinan_add_wave_speed(self, state, deformation, first, last)
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
       call find_moduli(self, state, first, last, deformation%pressure, &
          deformation%strength%shear_ratio)
-      if (allocated(state%failed)) then
-         do concurrent (i=1:last - first + 1)
-            deformation%strength%shear_ratio(i) = merge(0.0_wp, &
-               deformation%strength%shear_ratio(i), &
-               state%failed(first - 1 + i) /= 0)
-         end do
-      end if
+      if (allocated(state%failed)) deformation%strength%shear_ratio(:last - first + 1) = merge( &
+         0.0_wp, deformation%strength%shear_ratio(:last - first + 1), state%failed(first:last) /= 0)
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &

@@ -64,68 +64,20 @@ contains
    !> Return to the yield surface.
    pure subroutine von_mises_update(self, state, deformation, first, last, dt)
       class(law_von_mises_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state              !! State of the store
+      type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
+      integer :: count
 
-      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      associate (limit => deformation%strength%tangent, increment => deformation%strength%dilation)
-         if (allocated(state%plastic_strain)) then
-            call harden(first, last, self%shear, self%yield, self%hardening, &
-               deformation%plastic_increment, state%plastic_strain, limit, increment)
-         else
-            call keep_yield_stress(last - first + 1, self%shear, self%yield, &
-               deformation%plastic_increment, limit, increment)
-         end if
-         call return_radially(first, last, self%shear, limit, increment, state%volume, &
-            state%stress, deformation%plastic_increment, deformation%plastic_work)
-      end associate
+      count = last - first + 1
+      call strain_trial(state, deformation, first, last)
+      call equivalent_stress(state, deformation, first, last)
+      deformation%strength%tangent(:count) = self%yield
+      if (allocated(state%plastic_strain)) deformation%strength%tangent(:count) = self%yield &
+         + self%hardening*state%plastic_strain(first:last)
+      call return_radially(self%shear, self%hardening, state, deformation, first, last)
+      if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = &
+         state%plastic_strain(first:last) + deformation%plastic_increment(:count)
    end subroutine von_mises_update
-
-   !> Yield stress and plastic increment without hardening. Equations (Y.1) and (Y.2).
-   pure subroutine keep_yield_stress(count, shear, yield, trial, limit, increment)
-      integer, intent(in) :: count                   !! Particles of the range
-      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
-      real(wp), intent(in) :: yield                  !! Yield stress [Pa]
-      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
-      real(wp), contiguous, intent(inout) :: limit(:) !! Equivalent stress at yield (range) [Pa]
-      real(wp), contiguous, intent(inout) :: increment(:) !! Plastic strain (range) [1]
-      real(wp) :: softness
-      integer :: i
-
-      softness = 1.0_wp/(3.0_wp*shear)
-      do concurrent (i=1:count)
-         limit(i) = yield
-         increment(i) = max(trial(i) - yield, 0.0_wp)*softness
-      end do
-   end subroutine keep_yield_stress
-
-   !> Yield stress and plastic increment with linear hardening (M. L. Wilkins, "Calculation of
-   !! elastic-plastic flow", 1964; closed form). Equations (Y.1) and (Y.3).
-   pure subroutine harden(first, last, shear, yield, hardening, trial, plastic_strain, limit, &
-      increment)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
-      real(wp), intent(in) :: yield                  !! Initial yield stress [Pa]
-      real(wp), intent(in) :: hardening              !! Slope of yield stress to plastic strain [Pa]
-      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
-      real(wp), contiguous, intent(inout) :: plastic_strain(:)     !! (store) [1]
-      real(wp), contiguous, intent(inout) :: limit(:) !! Equivalent stress at yield (range) [Pa]
-      real(wp), contiguous, intent(inout) :: increment(:) !! Plastic strain (range) [1]
-      real(wp) :: softness
-      integer :: i, k
-
-      softness = 1.0_wp/(3.0_wp*shear + hardening)
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         limit(i) = yield + hardening*plastic_strain(k)
-         increment(i) = max(trial(i) - limit(i), 0.0_wp)*softness
-         plastic_strain(k) = plastic_strain(k) + increment(i)
-         limit(i) = limit(i) + hardening*increment(i)
-      end do
-   end subroutine harden
 end module law_von_mises

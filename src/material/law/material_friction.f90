@@ -14,13 +14,12 @@ module material_friction
    use eos_linear, only: eos_linear_t
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
-   use material_law, only: law_t
+   use material_law, only: law_add_wave_speed, law_t
    use material_state, only: deformation_t, material_state_t
-   use material_tension, only: add_intact_shear_speed
    implicit none
    private
 
-   public :: angles_t, declare_angles, angle_fault, frictional_t, add_dilation, &
+   public :: angles_t, declare_angles, frictional_t, add_dilation, &
       add_dilation_pressure, read_angles
 
    !> Constants of cohesive material with friction.
@@ -35,6 +34,7 @@ module material_friction
       real(wp) :: apex = 0.0_wp                      !! Least pressure, at the apex [Pa]
       logical :: dilates = .false.                   !! Shear increases the volume
    contains
+      procedure :: fault => frictional_fault         !! Invalid combination of angles
       procedure :: follows_density => frictional_follows_density !! Its pressure does
       procedure :: request => frictional_request     !! Requests the volume gained by shear
       !> Shear modulus, where material is not separated
@@ -72,7 +72,8 @@ contains
    end subroutine read_angles
 
    !> Error in the combination of the angles; empty if there is none.
-   pure function angle_fault(group, eos) result(text)
+   pure function frictional_fault(self, group, eos) result(text)
+      class(frictional_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
@@ -106,7 +107,7 @@ contains
          text = "friction_angle or cohesion must be above 0; for a fluid set elastic = "// &
             "'none' [D363]"
       end if
-   end function angle_fault
+   end function frictional_fault
 
    !> The pressure must follow the density.
    pure logical function frictional_follows_density(self) result(follows)
@@ -131,87 +132,72 @@ contains
    end function frictional_least_pressure
 
    !> Shear modulus in the square of the wave speed. Separated material supports no shear; its wave
-   !! speed does not grow with its volume, otherwise a cloud of debris would shorten the time step.
+   !! speed does not grow with its volume, otherwise a cloud of debris would shorten the time step:
+   !! at the least pressure, where material may be separated, the square of the wave speed increases
+   !! at most by the fraction 4/3 G/K.
    pure subroutine frictional_add_wave_speed(self, state, deformation, first, last)
       class(frictional_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
+      type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp), parameter :: least = 1.0e-12_wp      ! of the shear modulus, for a divisor
+      real(wp) :: share, joined, shear, bulk, apex
+      integer :: i, k
 
       if (allocated(state%failed)) then
-         call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
-            state%volume, deformation%wave_speed)
-      else
-         call add_joined_shear_speed(first, last, self%shear, self%bulk, self%apex, state%mass, &
-            state%volume, deformation%pressure, deformation%wave_speed)
+         call law_add_wave_speed(self, state, deformation, first, last)
+         return
       end if
+      shear = self%shear
+      bulk = self%bulk
+      apex = self%apex
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         share = 4.0_wp/3.0_wp*shear*state%volume(k)/state%mass(k)
+         joined = 4.0_wp/3.0_wp*shear/max(bulk, least*shear, tiny(least))*deformation%wave_speed(i)
+         deformation%wave_speed(i) = deformation%wave_speed(i) &
+            + merge(share, min(share, joined), deformation%pressure(i) > apex)
+      end do
    end subroutine frictional_add_wave_speed
 
-   !> Kernel of the above. At the least pressure, where material may be separated, the square of the
-   !! wave speed increases at most by the fraction 4/3 G/K.
-   pure subroutine add_joined_shear_speed(first, last, shear, bulk, apex, mass, volume, pressure, &
-      wave_speed)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
-      real(wp), intent(in) :: bulk                   !! Bulk modulus of the reference state [Pa]
-      real(wp), intent(in) :: apex                   !! Least pressure [Pa]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: pressure(:)        !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: wave_speed(:)   !! Its square (range) [m2/s2]
-      real(wp), parameter :: least = 1.0e-12_wp      ! of the shear modulus, for a divisor
-      real(wp) :: share
-      integer :: i, k
+   !> Remove the dilatant volume, if there is one, from the pressure: p + rho c**2 (exp(gained) -
+   !! 1), exact for p = K (rho/rho0 - 1). The dilatancy of the step, x times the volume gained
+   !! before, then increases the pressure by exactly rho c**2 exp(gained) x; `strength%tangent` gets
+   !! c**2 exp(gained). Equation (Y.27) of doc/theory/strength.md.
+   pure subroutine add_dilation_pressure(state, deformation, first, last)
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: count, i, k
 
-      do concurrent (i=1:last - first + 1)
+      count = last - first + 1
+      if (.not. allocated(state%plastic_dilation)) then
+         deformation%strength%tangent(:count) = deformation%wave_speed(:count)
+         return
+      end if
+      deformation%strength%tangent(:count) = state%plastic_dilation(first:last)
+      call take_exponentials(count, deformation%strength%tangent)
+      do concurrent (i=1:count)
          k = first - 1 + i
-         share = 4.0_wp/3.0_wp*shear*volume(k)/mass(k)
-         wave_speed(i) = wave_speed(i) + merge(share, &
-            min(share, 4.0_wp/3.0_wp*shear/max(bulk, least*shear, tiny(least))*wave_speed(i)), &
-            pressure(i) > apex)
-      end do
-   end subroutine add_joined_shear_speed
-
-   !> Remove the dilatant volume from the pressure: p + rho c**2 (exp(gained) - 1), exact for p = K
-   !! (rho/rho0 - 1). The dilatancy of the step, x times the volume gained before, then increases
-   !! the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of doc/theory/strength.md.
-   pure subroutine add_dilation_pressure(first, last, gained, mass, volume, wave_speed, pressure, &
-      tangent)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: wave_speed(:) !! Square of the wave speed (range) [m2/s2]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: tangent(:)    !! c**2 exp(gained) (range) [m2/s2]
-      integer :: i, k
-
-      tangent(1:last - first + 1) = gained(first:last)
-      call take_exponentials(last - first + 1, tangent)
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         tangent(i) = wave_speed(i)*tangent(i)
-         pressure(i) = pressure(i) + mass(k)/volume(k)*(tangent(i) - wave_speed(i))
+         deformation%strength%tangent(i) = deformation%wave_speed(i)*deformation%strength%tangent(i)
+         deformation%pressure(i) = deformation%pressure(i) + state%mass(k)/state%volume(k) &
+            *(deformation%strength%tangent(i) - deformation%wave_speed(i))
       end do
    end subroutine add_dilation_pressure
 
-   !> Add the dilatancy of a step, as a fraction of the volume gained before. Equation (Y.27).
-   pure subroutine add_dilation(first, last, share, gained)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(inout) :: share(:) !! Of the step; overwritten (range) [1]
-      real(wp), contiguous, intent(inout) :: gained(:) !! Logarithm of the volume (store) [1]
-      integer :: i
+   !> Add the dilatancy of a step, a fraction of the volume gained before, if there is a dilatant
+   !! volume. Equation (Y.27).
+   pure subroutine add_dilation(state, deformation, first, last)
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: count
 
-      do concurrent (i=1:last - first + 1)
-         share(i) = 1.0_wp + share(i)
-      end do
-      call take_logarithms(last - first + 1, share)
-      do concurrent (i=1:last - first + 1)
-         gained(first - 1 + i) = gained(first - 1 + i) + share(i)
-      end do
+      if (.not. allocated(state%plastic_dilation)) return
+      count = last - first + 1
+      deformation%strength%dilation(:count) = 1.0_wp + deformation%strength%dilation(:count)
+      call take_logarithms(count, deformation%strength%dilation)
+      state%plastic_dilation(first:last) = state%plastic_dilation(first:last) &
+         + deformation%strength%dilation(:count)
    end subroutine add_dilation
 end module material_friction

@@ -8,10 +8,11 @@ module material_hardening
    use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
    use material_law, only: mean_work
+   use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
-   public :: flow_lanes_t, most_lanes, move_flow_results, solve_hardening
+   public :: collect_lanes, flow_lanes_t, most_lanes, move_flow_results, solve_hardening
 
    integer, parameter :: most_lanes = 64             !! Particles of a group
    integer, parameter :: width = 8                   !! Lanes are filled up to a multiple of it
@@ -48,6 +49,36 @@ module material_hardening
    end type hardening_power_t
 
 contains
+
+   !> Collect the particles of a group whose trial stress is above a bound of the yield stress; the
+   !! others do not flow. In most groups there are none.
+   pure subroutine collect_lanes(offset, particles, bound, deformation, lanes)
+      integer, intent(in) :: offset                  !! Index offset in the range
+      integer, intent(in) :: particles               !! Of the group
+      real(wp), contiguous, intent(in) :: bound(:)   !! Of the yield stress (range) [Pa]
+      type(deformation_t), intent(inout) :: deformation !! With trial stresses of the range
+      type(flow_lanes_t), intent(inout) :: lanes
+      integer :: i, last, n
+
+      lanes%count = 0
+      last = offset + particles
+      if (count(deformation%plastic_increment(offset + 1:last) > bound(offset + 1:last)) == 0) then
+         deformation%plastic_increment(offset + 1:last) = 0.0_wp
+         deformation%plastic_work(offset + 1:last) = 0.0_wp
+         return
+      end if
+      do n = 1, particles
+         i = offset + n
+         if (deformation%plastic_increment(i) > bound(i)) then
+            lanes%count = lanes%count + 1
+            lanes%place(lanes%count) = n
+            lanes%trial(lanes%count) = deformation%plastic_increment(i)
+         else
+            deformation%plastic_increment(i) = 0.0_wp
+            deformation%plastic_work(i) = 0.0_wp
+         end if
+      end do
+   end subroutine collect_lanes
 
    !> Plastic increment x of each lane from trial - 3 G x = Y(x), and the stress after the step.
    !!
@@ -224,31 +255,25 @@ contains
 
    !> Move results of lanes to the particles of a group: the plastic increment in place of the trial
    !! stress, and work, stress and plastic strain. Equations (Y.1) and (Y.2).
-   ! gate: long kernel because a return changes four fields of a particle
-   pure subroutine move_flow_results(offset, before, lanes, volume, stress, plastic_strain, &
-      plastic_increment, plastic_work)
+   pure subroutine move_flow_results(offset, before, lanes, state, deformation)
       integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: before                  !! Index offset in the store
       type(flow_lanes_t), intent(in) :: lanes
-      real(wp), contiguous, intent(in) :: volume(:)                !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: plastic_strain(:)     !! (store) [1]
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)  !! (range) [1]
-      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
+      type(material_state_t), intent(inout) :: state !! State of the store
+      type(deformation_t), intent(inout) :: deformation !! Step of the range
       real(wp) :: scaling
       integer :: i, k, l, component
 
       do l = 1, lanes%count
          i = offset + lanes%place(l)
          k = before + lanes%place(l)
-         plastic_increment(i) = lanes%increment(l)
-         plastic_strain(k) = plastic_strain(k) + lanes%increment(l)
-         plastic_work(i) = volume(k)*mean_work(lanes%stiffness(l)/3.0_wp, lanes%trial(l), &
-            lanes%limit(l), lanes%increment(l), plastic_work(i))
+         deformation%plastic_increment(i) = lanes%increment(l)
+         state%plastic_strain(k) = state%plastic_strain(k) + lanes%increment(l)
+         deformation%plastic_work(i) = state%volume(k)*mean_work(lanes%stiffness(l)/3.0_wp, &
+            lanes%trial(l), lanes%limit(l), lanes%increment(l), deformation%plastic_work(i))
          scaling = lanes%limit(l)/lanes%trial(l)
          do component = 1, 6
-            stress(k, component) = scaling*stress(k, component)
+            state%stress(k, component) = scaling*state%stress(k, component)
          end do
       end do
    end subroutine move_flow_results

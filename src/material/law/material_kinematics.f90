@@ -2,6 +2,7 @@
 !> Kernels that turn a velocity gradient into volume, rotation and trial stress.
 module material_kinematics
    use base_kinds, only: wp
+   use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -32,15 +33,7 @@ contains
       end if
       !$omp simd private(g, b, minors, cube, inverse)
       do i = 1, count
-         g(1) = gradient(i, 1)
-         g(2) = gradient(i, 2)
-         g(3) = gradient(i, 3)
-         g(4) = gradient(i, 4)
-         g(5) = gradient(i, 5)
-         g(6) = gradient(i, 6)
-         g(7) = gradient(i, 7)
-         g(8) = gradient(i, 8)
-         g(9) = gradient(i, 9)
+         g(:) = gradient(i, 1:9)
          ! The adjugate B of G gives that of A and its determinant, so no product of matrices
          ! remains: G A^-1 = (G - B/2 + (tr B/2 + det G/4) I)/det A. Unlike in 2 (I - A^-1) small
          ! gradients lose no digits.
@@ -107,19 +100,10 @@ contains
       integer, intent(in) :: count                   !! Particles
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle of the tile, 9)
-      integer :: p, k
 
-      do k = 1, 9
-         do p = 1, count
-            gradient(p, k) = -gradient(p, k)
-         end do
-      end do
+      gradient(:count, 1:9) = -gradient(:count, 1:9)
       call centre_gradient(count, plane, gradient)
-      do k = 1, 9
-         do p = 1, count
-            gradient(p, k) = -gradient(p, k)
-         end do
-      end do
+      gradient(:count, 1:9) = -gradient(:count, 1:9)
    end subroutine centre_backward
 
    !> Divisor of the growth of a volume or a temperature in a step, 1 + x over this divisor. It is
@@ -132,20 +116,20 @@ contains
    end function growth_divisor
 
    !> Volume after the step, for material without a deviator of stress.
-   pure subroutine dilate(first, last, gradient, volume, old_volume, dilatation)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
-      real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
-      real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
-      real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
+   pure subroutine dilate(state, deformation, first, last)
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: trace
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         dilatation(i) = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
-         old_volume(i) = volume(k)
-         volume(k) = volume(k) + volume(k)*(dilatation(i)/growth_divisor(dilatation(i)))
+         trace = deformation%gradient(i, 1) + deformation%gradient(i, 5) &
+            + deformation%gradient(i, 9)
+         deformation%dilatation(i) = trace
+         deformation%old_volume(i) = state%volume(k)
+         state%volume(k) = state%volume(k) + state%volume(k)*(trace/growth_divisor(trace))
       end do
    end subroutine dilate
 
@@ -153,15 +137,10 @@ contains
    !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C. Equation (Y.11) of
    !! doc/theory/strength.md.
    ! gate: long kernel because the inverse of a matrix is nine numbers
-   pure subroutine deform(first, last, gradient, volume, deformation_gradient, old_volume, &
-      dilatation)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! C (range, 9) [1]
-      real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
-      real(wp), contiguous, intent(inout) :: deformation_gradient(:, :)  !! F (store, 9) [1]
-      real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
-      real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
+   pure subroutine deform(state, deformation, first, last)
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       ! An inverted particle keeps a positive volume; the run then stops on its time step or stress.
       real(wp), parameter :: least_growth = 1.0e-3_wp
       real(wp) :: c(9), a(9), b(9), g(9), f(9), determinant, inverse
@@ -170,12 +149,10 @@ contains
       !$omp simd private(c, a, b, g, f, determinant, inverse, k, row)
       do i = 1, last - first + 1
          k = first - 1 + i
-         do row = 1, 9
-            c(row) = gradient(i, row)
-            a(row) = -0.5_wp*c(row)
-            f(row) = deformation_gradient(k, row)
-         end do
-         dilatation(i) = c(1) + c(5) + c(9)
+         c(:) = deformation%gradient(i, 1:9)
+         a(:) = -0.5_wp*c
+         f(:) = state%deformation_gradient(k, 1:9)
+         deformation%dilatation(i) = c(1) + c(5) + c(9)
          a(1) = 1.0_wp + a(1)
          a(5) = 1.0_wp + a(5)
          a(9) = 1.0_wp + a(9)
@@ -196,11 +173,11 @@ contains
             g(row + 6) = (b(row)*c(7) + b(row + 3)*c(8) + b(row + 6)*c(9))*inverse
          end do
          do row = 1, 3
-            deformation_gradient(k, row) = f(row) &
+            state%deformation_gradient(k, row) = f(row) &
                + (g(row)*f(1) + g(row + 3)*f(2) + g(row + 6)*f(3))
-            deformation_gradient(k, row + 3) = f(row + 3) &
+            state%deformation_gradient(k, row + 3) = f(row + 3) &
                + (g(row)*f(4) + g(row + 3)*f(5) + g(row + 6)*f(6))
-            deformation_gradient(k, row + 6) = f(row + 6) &
+            state%deformation_gradient(k, row + 6) = f(row + 6) &
                + (g(row)*f(7) + g(row + 3)*f(8) + g(row + 6)*f(9))
          end do
          g(1) = 1.0_wp + g(1)
@@ -208,8 +185,8 @@ contains
          g(9) = 1.0_wp + g(9)
          determinant = g(1)*(g(5)*g(9) - g(8)*g(6)) - g(4)*(g(2)*g(9) - g(8)*g(3)) &
             + g(7)*(g(2)*g(6) - g(5)*g(3))
-         old_volume(i) = volume(k)
-         volume(k) = volume(k)*max(determinant, least_growth)
+         deformation%old_volume(i) = state%volume(k)
+         state%volume(k) = state%volume(k)*max(determinant, least_growth)
       end do
    end subroutine deform
 
@@ -220,24 +197,18 @@ contains
    !! From exp(dt L) = I + G follows dt L = 2 artanh(C/2) = C + C**3/12 + C**5/80 + C**7/448 +
    !! C**9/2304 + ... The next term is C**11/11264; for a full turn in 50 steps the stress lags by
    !! 1e-14. Equation (Y.17).
-   pure subroutine follow_motion(first, last, gradient, volume, stress, old_volume, dilatation, &
-      pressure)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(inout) :: gradient(:, :) !! C in, dt L out (range, 9) [1]
-      real(wp), contiguous, intent(inout) :: volume(:)      !! Volume (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :)   !! Deviator on return (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: old_volume(:)  !! Volume before (range) [m3]
-      real(wp), contiguous, intent(inout) :: dilatation(:)  !! Trace of strain (range) [1]
-      real(wp), contiguous, intent(inout) :: pressure(:)    !! Old mean pressure (range) [Pa]
+   pure subroutine follow_motion(state, deformation, first, last)
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: c(3, 3), square(3, 3), rest(3, 3), mean
       integer :: i, k, axis
 
       do i = 1, last - first + 1
          k = first - 1 + i
-         c(:, 1) = gradient(i, 1:3)
-         c(:, 2) = gradient(i, 4:6)
-         c(:, 3) = gradient(i, 7:9)
+         c(:, 1) = deformation%gradient(i, 1:3)
+         c(:, 2) = deformation%gradient(i, 4:6)
+         c(:, 3) = deformation%gradient(i, 7:9)
          square = matmul(c, c)
          rest = square/2304.0_wp
          do axis = 1, 3
@@ -252,17 +223,18 @@ contains
             rest(axis, axis) = rest(axis, axis) + 1.0_wp/12.0_wp
          end do
          c = c + matmul(c, matmul(square, rest))
-         gradient(i, 1:3) = c(:, 1)
-         gradient(i, 4:6) = c(:, 2)
-         gradient(i, 7:9) = c(:, 3)
-         dilatation(i) = c(1, 1) + c(2, 2) + c(3, 3)
-         old_volume(i) = volume(k)
-         volume(k) = volume(k) + volume(k)*(dilatation(i)/growth_divisor(dilatation(i)))
-         mean = third*(stress(k, 1) + stress(k, 2) + stress(k, 3))
-         pressure(i) = -mean
-         stress(k, 1) = stress(k, 1) - mean
-         stress(k, 2) = stress(k, 2) - mean
-         stress(k, 3) = stress(k, 3) - mean
+         deformation%gradient(i, 1:3) = c(:, 1)
+         deformation%gradient(i, 4:6) = c(:, 2)
+         deformation%gradient(i, 7:9) = c(:, 3)
+         deformation%dilatation(i) = c(1, 1) + c(2, 2) + c(3, 3)
+         deformation%old_volume(i) = state%volume(k)
+         state%volume(k) = state%volume(k) + state%volume(k) &
+            *(deformation%dilatation(i)/growth_divisor(deformation%dilatation(i)))
+         mean = third*(state%stress(k, 1) + state%stress(k, 2) + state%stress(k, 3))
+         deformation%pressure(i) = -mean
+         state%stress(k, 1) = state%stress(k, 1) - mean
+         state%stress(k, 2) = state%stress(k, 2) - mean
+         state%stress(k, 3) = state%stress(k, 3) - mean
       end do
    end subroutine follow_motion
 
@@ -274,103 +246,91 @@ contains
    !! strain is added before the rotation and half after it, so the step is of second order. On
    !! return the stress is a deviator and the pressure is the old mean pressure with its viscous
    !! part. Equation (A.2).
-   pure subroutine predict_deviator(first, last, plane, shear, gradient, volume, stress, &
-      old_volume, dilatation, pressure)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      logical, intent(in) :: plane !! Plane motion: components with one index y are 0
-      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
-      real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :) !! Stress in, deviator out (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
-      real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! Old mean pressure (range) [Pa]
+   pure subroutine predict_deviator(shear, state, deformation, first, last)
+      real(wp), intent(in) :: shear                        !! Shear modulus [Pa]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: trace, mean, sxx, syy, szz, sxy, syz, sxz, dxx, dyy, dzz, dxy, dyz, dxz
       real(wp) :: wx, wy, wz, turn, divisor, inverse
       integer :: i, k
 
-      if (plane) then
-         call predict_plane(first, last, shear, gradient, volume, stress, old_volume, dilatation, &
-            pressure)
+      if (deformation%plane) then
+         call predict_plane(shear, state, deformation, first, last)
          return
       end if
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
-         dilatation(i) = trace
-         old_volume(i) = volume(k)
+         trace = deformation%gradient(i, 1) + deformation%gradient(i, 5) &
+            + deformation%gradient(i, 9)
+         deformation%dilatation(i) = trace
+         deformation%old_volume(i) = state%volume(k)
          divisor = growth_divisor(trace)
-         dxx = shear*(gradient(i, 1) - third*trace)
-         dyy = shear*(gradient(i, 5) - third*trace)
-         dzz = shear*(gradient(i, 9) - third*trace)
-         dxy = 0.5_wp*shear*(gradient(i, 4) + gradient(i, 2))
-         dyz = 0.5_wp*shear*(gradient(i, 8) + gradient(i, 6))
-         dxz = 0.5_wp*shear*(gradient(i, 7) + gradient(i, 3))
-         mean = third*(stress(k, 1) + stress(k, 2) + stress(k, 3))
-         pressure(i) = -mean
-         sxx = stress(k, 1) - mean + dxx
-         syy = stress(k, 2) - mean + dyy
-         szz = stress(k, 3) - mean + dzz
-         sxy = stress(k, 4) + dxy
-         syz = stress(k, 5) + dyz
-         sxz = stress(k, 6) + dxz
-         wx = 0.5_wp*(gradient(i, 6) - gradient(i, 8))
-         wy = 0.5_wp*(gradient(i, 7) - gradient(i, 3))
-         wz = 0.5_wp*(gradient(i, 2) - gradient(i, 4))
+         dxx = shear*(deformation%gradient(i, 1) - third*trace)
+         dyy = shear*(deformation%gradient(i, 5) - third*trace)
+         dzz = shear*(deformation%gradient(i, 9) - third*trace)
+         dxy = 0.5_wp*shear*(deformation%gradient(i, 4) + deformation%gradient(i, 2))
+         dyz = 0.5_wp*shear*(deformation%gradient(i, 8) + deformation%gradient(i, 6))
+         dxz = 0.5_wp*shear*(deformation%gradient(i, 7) + deformation%gradient(i, 3))
+         mean = third*(state%stress(k, 1) + state%stress(k, 2) + state%stress(k, 3))
+         deformation%pressure(i) = -mean
+         sxx = state%stress(k, 1) - mean + dxx
+         syy = state%stress(k, 2) - mean + dyy
+         szz = state%stress(k, 3) - mean + dzz
+         sxy = state%stress(k, 4) + dxy
+         syz = state%stress(k, 5) + dyz
+         sxz = state%stress(k, 6) + dxz
+         wx = 0.5_wp*(deformation%gradient(i, 6) - deformation%gradient(i, 8))
+         wy = 0.5_wp*(deformation%gradient(i, 7) - deformation%gradient(i, 3))
+         wz = 0.5_wp*(deformation%gradient(i, 2) - deformation%gradient(i, 4))
          ! One division for the growth of the volume and the rotation.
          turn = 1.0_wp + 0.25_wp*(wx*wx + wy*wy + wz*wz)
          inverse = 1.0_wp/(turn*divisor)
-         volume(k) = volume(k) + volume(k)*(trace*(turn*inverse))
+         state%volume(k) = state%volume(k) + state%volume(k)*(trace*(turn*inverse))
          call rotate(divisor*inverse, wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
-         stress(k, 1) = sxx + dxx
-         stress(k, 2) = syy + dyy
-         stress(k, 3) = szz + dzz
-         stress(k, 4) = sxy + dxy
-         stress(k, 5) = syz + dyz
-         stress(k, 6) = sxz + dxz
+         state%stress(k, 1) = sxx + dxx
+         state%stress(k, 2) = syy + dyy
+         state%stress(k, 3) = szz + dzz
+         state%stress(k, 4) = sxy + dxy
+         state%stress(k, 5) = syz + dyz
+         state%stress(k, 6) = sxz + dxz
       end do
    end subroutine predict_deviator
 
    !> The same if y is decoupled: gradients and stresses with one index y are zero,
    !! and rotations are about y.
    ! gate: long kernel because it is the step of all fields of a particle
-   pure subroutine predict_plane(first, last, shear, gradient, volume, stress, old_volume, &
-      dilatation, pressure)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
-      real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :) !! Stress in, deviator out (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
-      real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
-      real(wp), contiguous, intent(inout) :: pressure(:)   !! Old mean pressure (range) [Pa]
+   pure subroutine predict_plane(shear, state, deformation, first, last)
+      real(wp), intent(in) :: shear                        !! Shear modulus [Pa]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: trace, mean, sxx, szz, sxz, dxx, dyy, dzz, dxz, turn, a, c, s, half, rest, sheared
       real(wp) :: divisor, inverse
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
-         dilatation(i) = trace
-         old_volume(i) = volume(k)
+         trace = deformation%gradient(i, 1) + deformation%gradient(i, 5) &
+            + deformation%gradient(i, 9)
+         deformation%dilatation(i) = trace
+         deformation%old_volume(i) = state%volume(k)
          divisor = growth_divisor(trace)
-         dxx = shear*(gradient(i, 1) - third*trace)
-         dyy = shear*(gradient(i, 5) - third*trace)
-         dzz = shear*(gradient(i, 9) - third*trace)
-         dxz = 0.5_wp*shear*(gradient(i, 7) + gradient(i, 3))
-         mean = third*(stress(k, 1) + stress(k, 2) + stress(k, 3))
-         pressure(i) = -mean
-         sxx = stress(k, 1) - mean + dxx
-         szz = stress(k, 3) - mean + dzz
-         sxz = stress(k, 6) + dxz
+         dxx = shear*(deformation%gradient(i, 1) - third*trace)
+         dyy = shear*(deformation%gradient(i, 5) - third*trace)
+         dzz = shear*(deformation%gradient(i, 9) - third*trace)
+         dxz = 0.5_wp*shear*(deformation%gradient(i, 7) + deformation%gradient(i, 3))
+         mean = third*(state%stress(k, 1) + state%stress(k, 2) + state%stress(k, 3))
+         deformation%pressure(i) = -mean
+         sxx = state%stress(k, 1) - mean + dxx
+         szz = state%stress(k, 3) - mean + dzz
+         sxz = state%stress(k, 6) + dxz
          ! cosine and sine of the rotation from z to x, by the tangent of its half; the mean of xx
          ! and zz does not change
-         turn = 0.5_wp*(gradient(i, 7) - gradient(i, 3))
+         turn = 0.5_wp*(deformation%gradient(i, 7) - deformation%gradient(i, 3))
          half = 1.0_wp + 0.25_wp*turn*turn
          inverse = 1.0_wp/(half*divisor)
-         volume(k) = volume(k) + volume(k)*(trace*(half*inverse))
+         state%volume(k) = state%volume(k) + state%volume(k)*(trace*(half*inverse))
          a = divisor*inverse
          c = 1.0_wp - 0.5_wp*a*turn*turn
          s = a*turn
@@ -381,10 +341,10 @@ contains
          ! turned once; a tensor of second order turns twice
          sxz = c*sheared - s*rest
          rest = c*rest + s*sheared
-         stress(k, 1) = half + rest + dxx
-         stress(k, 2) = stress(k, 2) - mean + 2.0_wp*dyy
-         stress(k, 3) = half - rest + dzz
-         stress(k, 6) = sxz + dxz
+         state%stress(k, 1) = half + rest + dxx
+         state%stress(k, 2) = state%stress(k, 2) - mean + 2.0_wp*dyy
+         state%stress(k, 3) = half - rest + dzz
+         state%stress(k, 6) = sxz + dxz
       end do
    end subroutine predict_plane
 

@@ -10,7 +10,6 @@ module material_law
    use material_field_requests, only: field_requests_t
    use material_kinematics, only: predict_deviator
    use material_state, only: deformation_t, material_state_t
-   use material_tension, only: add_intact_shear_speed, add_shear_speed
    implicit none
    private
 
@@ -22,6 +21,7 @@ module material_law
       real(wp) :: shear = 0.0_wp                     !! Shear modulus [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
+      real(wp) :: porosity = 0.0_wp                  !! Porosity of the reference state [1]
       real(wp) :: heat_share = 0.9_wp !! Heated by plastic work (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
@@ -33,13 +33,12 @@ module material_law
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
       procedure :: supports_voids => law_supports_voids !! True if its material may be porous
       procedure :: grows_pores => law_grows_pores    !! True if the law has pores
-      procedure :: initial_porosity => law_initial_porosity !! Porosity of the reference state
       procedure :: softens_by_damage => law_softens_by_damage !! True if damage lowers its strength
       procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
       procedure :: follows_density => law_follows_density !! True if its pressure must follow it
       procedure :: has_grains => law_has_grains      !! True if it has an inertial number
       procedure :: is_plastic => law_is_plastic      !! True if it flows and so dissipates
-      procedure(request_i), deferred :: request      !! Requests the fields it needs
+      procedure :: request => law_request            !! Requests the fields it needs
       procedure :: predict_trial => law_predict_trial !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
       procedure :: add_wave_speed => law_add_wave_speed !! Contribution to the squared wave speed
@@ -50,13 +49,6 @@ module material_law
    end type law_t
 
    abstract interface
-      pure subroutine request_i(self, requests)
-         import :: law_t, field_requests_t
-         implicit none
-         class(law_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: requests
-      end subroutine request_i
-
       !> On entry the stress holds the trial deviator, on return the deviator. Plastic increment and
       !! plastic work are zero on entry. The pressure is that after the step, the wave speed holds
       !! the square of the bulk sound speed. A law that gives the whole stress sets the pressure.
@@ -66,8 +58,7 @@ module material_law
          class(law_t), intent(in) :: self
          type(material_state_t), intent(inout) :: state               !! State of the store
          type(deformation_t), intent(inout) :: deformation     !! Step of the range
-         integer, intent(in) :: first                          !! First particle of the range
-         integer, intent(in) :: last                           !! Last particle of the range
+         integer, intent(in) :: first, last                    !! Particles of the range
          real(wp), intent(in) :: dt                            !! Time step [s]
       end subroutine update_i
    end interface
@@ -155,13 +146,6 @@ contains
       grows = .false.
    end function law_grows_pores
 
-   !> Porosity of the reference state [1].
-   pure real(wp) function law_initial_porosity(self) result(porosity)
-      class(law_t), intent(in) :: self
-
-      porosity = 0.0_wp
-   end function law_initial_porosity
-
    !> True if the law itself lowers the strength of damaged material.
    pure logical function law_softens_by_damage(self) result(softens)
       class(law_t), intent(in) :: self
@@ -184,34 +168,48 @@ contains
       plastic = .true.
    end function law_is_plastic
 
+   !> Request the fields that the law needs: none if the stress is its only state variable.
+   pure subroutine law_request(self, requests)
+      class(law_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
+   end subroutine law_request
+
    !> Elastic trial of the deviator with constant shear modulus and Jaumann rate, and the volume.
    pure subroutine law_predict_trial(self, state, deformation, first, last)
       class(law_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
 
-      call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
-         state%volume, state%stress, deformation%old_volume, deformation%dilatation, &
-         deformation%pressure)
+      call predict_deviator(self%shear, state, deformation, first, last)
    end subroutine law_predict_trial
 
-   !> Add the contribution of the law to the square of the wave speed. For a law that gives the
-   !! whole stress the input is 0 and the result is the square of its fastest wave speed.
+   !> Add the contribution of the law to the square of the wave speed, where the material has not
+   !! failed: for failed particles it would shorten the time step of a dispersing cloud of rubble
+   !! without need. For a law that gives the whole stress the input is 0 and the result is the
+   !! square of its fastest wave speed. Equation (A.5) of doc/theory/matter.md.
    pure subroutine law_add_wave_speed(self, state, deformation, first, last)
       class(law_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                     !! State of the store
-      type(deformation_t), intent(inout) :: deformation        !! Step of the range
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: shear, share
+      integer :: i, k
 
+      shear = self%shear
       if (allocated(state%failed)) then
-         call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
-            state%volume, deformation%wave_speed)
+         do concurrent (i=1:last - first + 1)
+            k = first - 1 + i
+            share = 4.0_wp/3.0_wp*shear*state%volume(k)/state%mass(k)
+            deformation%wave_speed(i) = deformation%wave_speed(i) &
+               + merge(0.0_wp, share, state%failed(k) /= 0)
+         end do
       else
-         call add_shear_speed(first, last, self%shear, state%mass, state%volume, &
-            deformation%wave_speed)
+         do concurrent (i=1:last - first + 1)
+            k = first - 1 + i
+            deformation%wave_speed(i) = deformation%wave_speed(i) &
+               + 4.0_wp/3.0_wp*shear*state%volume(k)/state%mass(k)
+         end do
       end if
    end subroutine law_add_wave_speed
 
@@ -220,8 +218,7 @@ contains
       class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
-      integer, intent(in) :: first                             !! First particle of the range
-      integer, intent(in) :: last                              !! Last particle of the range
+      integer, intent(in) :: first, last                       !! Particles of the range
       real(wp), intent(in) :: spacing                          !! Cell size [m]
    end subroutine law_add_viscous_speed
 
@@ -247,39 +244,40 @@ contains
       pressure = -huge(1.0_wp)
    end function law_least_pressure
 
-   !> Equivalent stress of von Mises of deviators: sqrt(3/2 s:s).
-   pure subroutine equivalent_stress(first, last, stress, equivalent)
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      real(wp), contiguous, intent(in) :: stress(:, :)         !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: equivalent(:)     !! (range) [Pa]
+   !> Equivalent stress of von Mises of the trial deviators, sqrt(3/2 s:s), in place of the plastic
+   !! increments.
+   pure subroutine equivalent_stress(state, deformation, first, last)
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         equivalent(i) = sqrt(1.5_wp*(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
-            + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)))
+         deformation%plastic_increment(i) = sqrt(1.5_wp*(state%stress(k, 1)**2 + state%stress(k, &
+            2)**2 + state%stress(k, 3)**2 + 2.0_wp*(state%stress(k, 4)**2 + state%stress(k, 5)**2 &
+            + state%stress(k, 6)**2)))
       end do
    end subroutine equivalent_stress
 
-   !> Trial deviator times strain increment, s* : e. Laws need it for the work on the plastic strain
-   !! of the mean of the stresses s before and s' after the step, (s + s') : (s* - s')/(4 G), where
-   !! s = s* - 2 G e except for the rotation. With s' alone in place of the mean, grains that come
-   !! into contact without stress would lose energy.
-   pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
-      real(wp), contiguous, intent(in) :: stress(:, :)    !! Trial deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: product_of_both(:) !! (range) [Pa]
+   !> Trial deviator times strain increment, s* : e, in place of the plastic work. Laws need it for
+   !! the work on the plastic strain of the mean of the stresses s before and s' after the step, (s
+   !! + s') : (s* - s')/(4 G), where s = s* - 2 G e except for the rotation. With s' alone in place
+   !! of the mean, grains that come into contact without stress would lose energy.
+   pure subroutine strain_trial(state, deformation, first, last)
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         product_of_both(i) = stress(k, 1)*gradient(i, 1) + stress(k, 2)*gradient(i, 5) &
-            + stress(k, 3)*gradient(i, 9) + stress(k, 4)*(gradient(i, 2) + gradient(i, 4)) &
-            + stress(k, 5)*(gradient(i, 6) + gradient(i, 8)) &
-            + stress(k, 6)*(gradient(i, 3) + gradient(i, 7))
+         deformation%plastic_work(i) = state%stress(k, 1)*deformation%gradient(i, 1) &
+            + state%stress(k, 2)*deformation%gradient(i, 5) + state%stress(k, 3) &
+            *deformation%gradient(i, 9) + state%stress(k, 4)*(deformation%gradient(i, 2) &
+            + deformation%gradient(i, 4)) + state%stress(k, 5)*(deformation%gradient(i, 6) &
+            + deformation%gradient(i, 8)) + state%stress(k, 6)*(deformation%gradient(i, 3) &
+            + deformation%gradient(i, 7))
       end do
    end subroutine strain_trial
 
@@ -299,37 +297,32 @@ contains
          - 1.5_wp*shear*product_of_both/max(trial, tiny(1.0_wp)))
    end function mean_work
 
-   !> Radial return to equivalent stresses, and its work. Equations (Y.1) and (Y.2).
-   pure subroutine return_radially(first, last, shear, limit, increment, volume, stress, &
-      plastic_increment, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: shear                  !! Shear modulus of the trial [Pa]
-      real(wp), contiguous, intent(in) :: limit(:)   !! Equivalent stress at yield (range) [Pa]
-      real(wp), contiguous, intent(in) :: increment(:) !! Plastic strain (range) [1]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]
-      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
-      real(wp) :: trial, scaling
+   !> Radial return of the trial deviators to yield stresses that grow linearly in the step, and its
+   !! work (M. L. Wilkins, "Calculation of elastic-plastic flow", 1964; closed form). The yield
+   !! stresses before the step are in `strength%tangent`, the equivalent trial stress and the
+   !! product of `strain_trial` in place of plastic increment and plastic work. Equations (Y.1),
+   !! (Y.2) and (Y.3).
+   pure subroutine return_radially(shear, hardening, state, deformation, first, last)
+      real(wp), intent(in) :: shear                        !! Shear modulus of the trial [Pa]
+      real(wp), intent(in) :: hardening                    !! Slope of the yield stress [Pa]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: trial, limit, flow, softness, scaling
       integer :: i, k
 
+      softness = 1.0_wp/(3.0_wp*shear + hardening)
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         trial = plastic_increment(i)
-         plastic_increment(i) = increment(i)
-         plastic_work(i) = volume(k)*mean_work(shear, trial, limit(i), increment(i), &
-            plastic_work(i))
+         trial = deformation%plastic_increment(i)
+         flow = max(trial - deformation%strength%tangent(i), 0.0_wp)*softness
+         limit = deformation%strength%tangent(i) + hardening*flow
+         deformation%plastic_increment(i) = flow
+         deformation%plastic_work(i) = state%volume(k)*mean_work(shear, trial, limit, flow, &
+            deformation%plastic_work(i))
          ! the factor is 1 if the particle does not flow
-         scaling = limit(i)/max(trial, limit(i), tiny(1.0_wp))
-         stress(k, 1) = scaling*stress(k, 1)
-         stress(k, 2) = scaling*stress(k, 2)
-         stress(k, 3) = scaling*stress(k, 3)
-         stress(k, 4) = scaling*stress(k, 4)
-         stress(k, 5) = scaling*stress(k, 5)
-         stress(k, 6) = scaling*stress(k, 6)
+         scaling = limit/max(trial, limit, tiny(1.0_wp))
+         state%stress(k, 1:6) = scaling*state%stress(k, 1:6)
       end do
    end subroutine return_radially
 end module material_law

@@ -9,7 +9,7 @@ module material_pore_volume
    implicit none
    private
 
-   public :: to_matrix_volume, to_matrix_volumes, to_whole_volume, take_matrix_pressure
+   public :: to_matrix_volume, to_matrix_volumes, take_matrix_pressure
 
 contains
 
@@ -17,63 +17,29 @@ contains
    pure subroutine to_matrix_volume(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: count
 
-      call deformation%voids%reserve(last - first + 1)
-      call shrink(first, last, state%plastic_dilation, deformation%voids%alpha, &
-         deformation%voids%total_volume, state%volume)
+      count = last - first + 1
+      deformation%voids%alpha(:count) = -state%plastic_dilation(first:last)
+      deformation%voids%total_volume(:count) = state%volume(first:last)
+      call take_exponentials(count, deformation%voids%alpha)
+      state%volume(first:last) = deformation%voids%alpha(:count)*state%volume(first:last)
    end subroutine to_matrix_volume
-
-   !> Kernel of the above.
-   pure subroutine shrink(first, last, gained, share, whole, volume)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
-      real(wp), contiguous, intent(inout) :: share(:) !! Matrix over whole volume (range) [1]
-      real(wp), contiguous, intent(inout) :: whole(:) !! Volume of the motion (range) [m3]
-      real(wp), contiguous, intent(inout) :: volume(:) !! (store) [m3]
-      integer :: i, k
-
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         share(i) = -gained(k)
-         whole(i) = volume(k)
-      end do
-      call take_exponentials(last - first + 1, share)
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         volume(k) = share(i)*whole(i)
-      end do
-   end subroutine shrink
 
    !> The same for the volumes before and after the step, where the law has stored the fraction of
    !! volume gained by flow.
    pure subroutine to_matrix_volumes(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      integer :: i
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: count
 
       call to_matrix_volume(state, deformation, first, last)
-      associate (old => deformation%old_volume, gained => deformation%strength%dilation, &
-         share => deformation%voids%alpha)
-         do concurrent (i=1:last - first + 1)
-            old(i) = old(i)*share(i)/(1.0_wp - gained(i))
-         end do
-      end associate
+      count = last - first + 1
+      deformation%old_volume(:count) = deformation%old_volume(:count) &
+         *deformation%voids%alpha(:count)/(1.0_wp - deformation%strength%dilation(:count))
    end subroutine to_matrix_volumes
-
-   !> Restore the volume of the motion.
-   pure subroutine to_whole_volume(state, deformation, first, last)
-      type(material_state_t), intent(inout) :: state       !! State of the store
-      type(deformation_t), intent(in) :: deformation       !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-
-      state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
-   end subroutine to_whole_volume
 
    !> Convert the pressure of the matrix to that on the whole surface, and the volume to that of the
    !! motion. The square of the sound speed does not change: p = share p_m(rho/share) has the
@@ -81,15 +47,11 @@ contains
    pure subroutine take_matrix_pressure(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first                         !! First particle of the range
-      integer, intent(in) :: last                          !! Last particle of the range
-      integer :: i
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: count
 
-      associate (pressure => deformation%pressure, share => deformation%voids%alpha)
-         do concurrent (i=1:last - first + 1)
-            pressure(i) = share(i)*pressure(i)
-         end do
-      end associate
-      call to_whole_volume(state, deformation, first, last)
+      count = last - first + 1
+      deformation%pressure(:count) = deformation%voids%alpha(:count)*deformation%pressure(:count)
+      state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
    end subroutine take_matrix_pressure
 end module material_pore_volume

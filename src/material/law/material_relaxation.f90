@@ -11,6 +11,7 @@
 !! Equations (Y.18) and (Y.19) of doc/theory/strength.md.
 module material_relaxation
    use base_kinds, only: wp
+   use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -26,69 +27,62 @@ module material_relaxation
 contains
 
    !> Deviator after the step, its flow and its losses.
-   pure subroutine relax_deviator(first, last, shear, relaxation, inverse_contact_strain, &
-      gradient, volume, stress, plastic_increment, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+   pure subroutine relax_deviator(shear, relaxation, inverse_contact_strain, state, deformation, &
+      first, last)
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: relaxation             !! Time step over relaxation time at rest [1]
       real(wp), intent(in) :: inverse_contact_strain !! Relaxation for each unit of shear [1]
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l, constant (range, 9) [1]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: plastic_increment(:) !! Equivalent (range) [1]
-      real(wp), contiguous, intent(inout) :: plastic_work(:)      !! (range) [J]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       type(harmonics_t) :: old, strain, new, total
       real(wp) :: g(9), s(6), e(6), w(3), frame(3, 3), angle, rate, gain, k
       integer :: i, p
 
       do i = 1, last - first + 1
          p = first - 1 + i
-         g = gradient(i, :)
+         g = deformation%gradient(i, :)
          call split(g, e, w)
          k = relaxation + inverse_contact_strain*sqrt(2.0_wp*square(e))
          angle = sqrt(w(1)**2 + w(2)**2 + w(3)**2)
          call make_frame(w, angle, frame)
-         s = stress(p, :)
+         s = state%stress(p, :)
          call to_frame(frame, s, old)
          call to_frame(frame, e, strain)
          call advance(2.0_wp*shear, k, angle, old, strain, new, total)
          call from_frame(frame, new, s)
-         stress(p, :) = s
+         state%stress(p, :) = s
          gain = (contract(new, new) - contract(old, old))/(4.0_wp*shear)
-         plastic_work(i) = volume(p)*max(contract(total, strain) - gain, 0.0_wp)
+         deformation%plastic_work(i) = state%volume(p)*max(contract(total, strain) - gain, 0.0_wp)
          rate = k/(2.0_wp*shear)
-         plastic_increment(i) = rate*sqrt(2.0_wp/3.0_wp*contract(total, total))
+         deformation%plastic_increment(i) = rate*sqrt(2.0_wp/3.0_wp*contract(total, total))
       end do
    end subroutine relax_deviator
 
    !> Pressure after the step, dp/dx = -k p - K tr D, and its losses.
-   pure subroutine relax_pressure(first, last, bulk, relaxation, inverse_contact_strain, &
-      gradient, volume, pressure, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+   pure subroutine relax_pressure(bulk, relaxation, inverse_contact_strain, state, deformation, &
+      first, last)
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), intent(in) :: relaxation             !! Time step over relaxation time at rest [1]
       real(wp), intent(in) :: inverse_contact_strain !! Relaxation for each unit of shear [1]
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l, constant (range, 9) [1]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: pressure(:)     !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: plastic_work(:) !! (range) [J]
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       complex(wp) :: f1, f2, decay
       real(wp) :: g(9), e(6), w(3), k, trace, before, total
       integer :: i
 
       do i = 1, last - first + 1
-         g = gradient(i, :)
+         g = deformation%gradient(i, :)
          call split(g, e, w)
          k = relaxation + inverse_contact_strain*sqrt(2.0_wp*square(e))
-         trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
+         trace = g(1) + g(5) + g(9)
          call functions(cmplx(k, 0.0_wp, wp), decay, f1, f2)
-         before = pressure(i)
-         pressure(i) = real(decay, wp)*before - bulk*trace*real(f1, wp)
+         before = deformation%pressure(i)
+         deformation%pressure(i) = real(decay, wp)*before - bulk*trace*real(f1, wp)
          total = real(f1, wp)*before - bulk*trace*real(f2, wp)
-         plastic_work(i) = plastic_work(i) + volume(first - 1 + i)*max(0.0_wp, -total*trace &
-            - (pressure(i)**2 - before**2)/(2.0_wp*bulk))
+         deformation%plastic_work(i) = deformation%plastic_work(i) + state%volume(first - 1 + i) &
+            *max(0.0_wp, -total*trace - (deformation%pressure(i)**2 - before**2)/(2.0_wp*bulk))
       end do
    end subroutine relax_pressure
 

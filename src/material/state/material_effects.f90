@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Switches of &effects that concern materials.
 module material_effects
+   use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: changes_physics, schema_t
    implicit none
    private
 
-   public :: effects_t
+   public :: effects_t, in_order
 
    !> The switches. They are used only while materials are read; afterwards an effect that is on is
    !! an allocated component of the material.
@@ -73,4 +74,20 @@ contains
       call group%get("artificial_viscosity", self%viscosity)
       call group%get("rate", self%rate)
    end subroutine effects_read
+
+   !> True if the value of a key is below that of another one, or one of them has none. Limits that
+   !! may be equal are in order too.
+   pure logical function in_order(group, low, high, equal) result(right)
+      type(group_t), intent(in) :: group             !! &material
+      character(len=*), intent(in) :: low            !! Key of the smaller value
+      character(len=*), intent(in) :: high           !! Key of the greater value
+      logical, optional, intent(in) :: equal         !! True: they may be equal
+      real(wp) :: one, other
+
+      right = .true.
+      if (.not. (group%known(low) .and. group%known(high))) return
+      call group%get(low, one)
+      call group%get(high, other)
+      right = one < other .or. (present(equal) .and. .not. other < one)
+   end function in_order
 end module material_effects

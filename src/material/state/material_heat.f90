@@ -3,6 +3,7 @@
 module material_heat
    use base_kinds, only: wp
    use deck_group_values, only: group_t
+   use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -27,8 +28,9 @@ contains
    !> Read the temperatures between which a material softens.
    pure subroutine read_melting_range(group, range)
       type(group_t), intent(in) :: group             !! &material
-      type(melting_range_t), intent(out) :: range
+      type(melting_range_t), allocatable, intent(out) :: range
 
+      allocate (range)
       call group%get("t_ref", range%reference)
       call group%get("t_melt", range%melt)
    end subroutine read_melting_range
@@ -41,22 +43,12 @@ contains
    !! plastic work and of artificial viscosity is added. Where the material is at its least
    !! pressure, voids open or close and the material itself keeps its volume and temperature.
    !! Equations (A.12) and (A.13) of doc/theory/matter.md.
-   ! gate: long kernel because heat has many sources
-   pure subroutine heat_particles(first, last, specific_heat, plastic_share, gruneisen, mass, &
-      volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+   pure subroutine heat_particles(specific_heat, plastic_share, state, deformation, first, last)
       real(wp), intent(in) :: specific_heat          !! Specific heat at constant volume [J/(kg K)]
       real(wp), intent(in) :: plastic_share !! Fraction of plastic work that becomes heat [1]
-      real(wp), contiguous, intent(in) :: gruneisen(:) !! Gamma rho (range) [kg/m3]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
-      real(wp), contiguous, intent(in) :: old_volume(:)     !! Before the step (range) [m3]
-      real(wp), contiguous, intent(in) :: pressure(:)       !! After the step (range) [Pa]
-      real(wp), contiguous, intent(in) :: pressure_floor(:) !! Least pressure (range) [Pa]
-      real(wp), contiguous, intent(in) :: plastic_work(:)   !! Plastic work of the step (range) [J]
-      real(wp), contiguous, intent(in) :: viscous_work(:)   !! Viscous work of the step (range) [J]
-      real(wp), contiguous, intent(inout) :: temperature(:) !! (store) [K]
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(in) :: deformation       !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), parameter :: twelfth = 1.0_wp/12.0_wp
       real(wp) :: closed, compression, growth, inverse, plastic, viscous
       integer :: i, k
@@ -66,49 +58,55 @@ contains
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          ! 1 above the floor and 0 on it; a merge here would prevent vectorisation.
-         closed = 0.5_wp - sign(0.5_wp, pressure_floor(i) - pressure(i))
-         inverse = 1.0_wp/mass(k)
-         compression = closed*(old_volume(i) - volume(k))*gruneisen(i)*inverse
+         closed = 0.5_wp - sign(0.5_wp, deformation%pressure_floor(i) - deformation%pressure(i))
+         inverse = 1.0_wp/state%mass(k)
+         compression = closed*(deformation%old_volume(i) - state%volume(k)) &
+            *deformation%gruneisen(i)*inverse
          ! The exponential function, by its positive Pade approximant of order (2, 2).
          growth = 1.0_wp + compression/(1.0_wp - compression*(0.5_wp - twelfth*compression))
          ! Artificial viscosity lags by a step and can remove heat where material begins to expand.
-         temperature(k) = max(0.0_wp, temperature(k)*growth &
-            + (plastic*plastic_work(i) + viscous*viscous_work(i))*inverse)
+         state%temperature(k) = max(0.0_wp, state%temperature(k)*growth &
+            + (plastic*deformation%plastic_work(i) + viscous*deformation%viscous_work(i))*inverse)
       end do
    end subroutine heat_particles
 
-   !> Temperature on a scale from 0 at the reference to 1 at melting, clipped to it. Equation
-   !! (A.11).
-   pure subroutine homologous_temperature(first, last, range, temperature, homologous)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      type(melting_range_t), intent(in) :: range
-      real(wp), contiguous, intent(in) :: temperature(:)    !! (store) [K]
-      real(wp), contiguous, intent(inout) :: homologous(:)  !! (range) [1]
-      real(wp) :: factor
+   !> Temperature on a scale from 0 at the reference to 1 at melting, clipped to it; 0 without
+   !! range. Equation (A.11).
+   pure subroutine homologous_temperature(range, state, deformation, first, last)
+      type(melting_range_t), allocatable, intent(in) :: range
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Gets it in `strength%homologous`
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: factor, reference
       integer :: i
 
-      factor = 1.0_wp/(range%melt - range%reference)
+      if (.not. allocated(range)) then
+         deformation%strength%homologous(1:last - first + 1) = 0.0_wp
+         return
+      end if
+      reference = range%reference
+      factor = 1.0_wp/(range%melt - reference)
       do concurrent (i=1:last - first + 1)
-         homologous(i) = min(1.0_wp, &
-            max(0.0_wp, (temperature(first - 1 + i) - range%reference)*factor))
+         deformation%strength%homologous(i) = &
+            min(1.0_wp, max(0.0_wp, (state%temperature(first - 1 + i) - reference)*factor))
       end do
    end subroutine homologous_temperature
 
    !> A melted particle supports no tension.
-   pure subroutine cut_melted_tension(first, last, melting, temperature, pressure, pressure_floor)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: melting                !! Temperature of melting [K]
-      real(wp), contiguous, intent(in) :: temperature(:)       !! (store) [K]
-      real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
+   pure subroutine cut_melted_tension(melting, state, deformation, first, last)
+      real(wp), intent(in) :: melting                      !! Temperature of melting [K]
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: least, pressure
       integer :: i
 
       do concurrent (i=1:last - first + 1)
-         pressure_floor(i) = merge(max(pressure_floor(i), 0.0_wp), pressure_floor(i), &
-            temperature(first - 1 + i) >= melting)
-         pressure(i) = merge(pressure_floor(i), pressure(i), pressure(i) < pressure_floor(i))
+         least = deformation%pressure_floor(i)
+         least = merge(max(least, 0.0_wp), least, state%temperature(first - 1 + i) >= melting)
+         pressure = deformation%pressure(i)
+         deformation%pressure_floor(i) = least
+         deformation%pressure(i) = merge(least, pressure, pressure < least)
       end do
    end subroutine cut_melted_tension
 end module material_heat

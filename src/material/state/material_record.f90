@@ -38,8 +38,7 @@ contains
    !> Add the equivalent strain sqrt(2/3 e:e) of the step, e the deviator of the symmetric gradient.
    !! Simple shear by an angle of tangent g adds g/sqrt(3). Equation (A.17) of doc/theory/matter.md.
    pure subroutine add_strain(first, last, plane, gradient, strain)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), contiguous, intent(in) :: gradient(:, :) !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(inout) :: strain(:)   !! (store) [1]

@@ -7,7 +7,7 @@ module material_state
    implicit none
    private
 
-   public :: damage_scratch_t, deformation_t, has_energy, material_state_t
+   public :: deformation_t, has_energy, material_state_t, void_scratch_t
 
    !> State of pores.
    type :: pore_state_t
@@ -65,10 +65,7 @@ module material_state
    !> Scratch of the damage models.
    type :: damage_scratch_t
       real(wp), allocatable :: bound(:)              !! Bound of the principal deviators [Pa]
-      real(wp), allocatable :: scatter(:)            !! Random strength, 1 without scatter [1]
       real(wp), allocatable :: load(:)               !! Load over strength [1]
-   contains
-      procedure :: reserve => damage_scratch_reserve !! Allocates it for a number of particles
    end type damage_scratch_t
 
    !> Scratch of the voids.
@@ -78,8 +75,6 @@ module material_state
       real(wp), allocatable :: old_pressure(:)       !! Before the step [Pa]
       real(wp), allocatable :: old_temperature(:)    !! Before the step [K]
       real(wp), allocatable :: total_volume(:)       !! Volume with voids [m3]
-   contains
-      procedure :: reserve => void_scratch_reserve   !! Allocates it for a number of particles
    end type void_scratch_t
 
    !> Changes of the particles of one tile in one time step; scratch space. The transfer sets the
@@ -112,8 +107,7 @@ contains
    !> True if a particle of a range has an internal energy.
    pure logical function has_energy(state, first, last) result(has)
       type(material_state_t), intent(in) :: state
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+      integer, intent(in) :: first, last             !! Particles of the range
 
       has = .false.
       if (allocated(state%energy)) has = any(abs(state%energy(first:last)) > 0.0_wp)
@@ -157,14 +151,6 @@ contains
       if (allocated(self%failed)) call worker%whole("failed", "1", self%failed)
    end subroutine material_walk
 
-   !> Length of scratch arrays for a number of particles. It is greater than this number, because
-   !! columns whose length is a power of two would map to few cache sets.
-   pure integer function padded_length(particles) result(length)
-      integer, intent(in) :: particles               !! Capacity
-
-      length = 64*((particles + 63)/64) + 8
-   end function padded_length
-
    !> Allocate the scratch for a number of particles. Its contents are lost.
    pure subroutine deformation_reserve(self, particles)
       class(deformation_t), intent(inout) :: self
@@ -177,43 +163,19 @@ contains
             self%pressure_floor, self%plastic_increment, self%distension, self%gruneisen, &
             self%wave_speed, self%plastic_work, self%viscous_work, self%strength%homologous, &
             self%strength%old_damage, self%strength%strain_rate, self%strength%dilation, &
-            self%strength%tangent, self%strength%shear_ratio)
+            self%strength%tangent, self%strength%shear_ratio, self%damage%bound, self%damage%load, &
+            self%voids%alpha, self%voids%loose, self%voids%old_pressure, &
+            self%voids%old_temperature, self%voids%total_volume)
       end if
-      n = padded_length(particles)
+      ! Greater than the number, because columns whose length is a power of two would map to few
+      ! cache sets.
+      n = 64*((particles + 63)/64) + 8
       allocate (self%gradient(n, 9), self%old_volume(n), self%dilatation(n), self%jump(n), &
          self%pressure(n), self%pressure_floor(n), self%plastic_increment(n), self%distension(n), &
          self%gruneisen(n), self%wave_speed(n), self%plastic_work(n), self%viscous_work(n), &
          self%strength%homologous(n), self%strength%old_damage(n), self%strength%strain_rate(n), &
-         self%strength%dilation(n), self%strength%tangent(n), self%strength%shear_ratio(n))
+         self%strength%dilation(n), self%strength%tangent(n), self%strength%shear_ratio(n), &
+         self%damage%bound(n), self%damage%load(n), self%voids%alpha(n), self%voids%loose(n), &
+         self%voids%old_pressure(n), self%voids%old_temperature(n), self%voids%total_volume(n))
    end subroutine deformation_reserve
-
-   !> Allocate the scratch for a number of particles, at the start of an update of damage.
-   pure subroutine damage_scratch_reserve(self, particles)
-      class(damage_scratch_t), intent(inout) :: self
-      integer, intent(in) :: particles               !! Capacity
-      integer :: n
-
-      if (allocated(self%bound)) then
-         if (size(self%bound) >= particles) return
-         deallocate (self%bound, self%scatter, self%load)
-      end if
-      n = padded_length(particles)
-      allocate (self%bound(n), self%scatter(n), self%load(n))
-   end subroutine damage_scratch_reserve
-
-   !> Allocate the scratch for a number of particles, at the start of a step with voids.
-   pure subroutine void_scratch_reserve(self, particles)
-      class(void_scratch_t), intent(inout) :: self
-      integer, intent(in) :: particles               !! Capacity
-      integer :: n
-
-      if (allocated(self%alpha)) then
-         if (size(self%alpha) >= particles) return
-         deallocate (self%alpha, self%loose, self%old_pressure, self%old_temperature, &
-            self%total_volume)
-      end if
-      n = padded_length(particles)
-      allocate (self%alpha(n), self%loose(n), self%old_pressure(n), self%old_temperature(n), &
-         self%total_volume(n))
-   end subroutine void_scratch_reserve
 end module material_state

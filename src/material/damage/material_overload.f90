@@ -1,0 +1,231 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Brittle failure where the load of a particle reaches 1: the greatest principal stress over the
+!! strength, or in compression half the difference of the principal stresses over that of shear; or
+!! the greatest principal value of the elastic strain, s/(2 G) - p/(3 K), over its limit.
+!!
+!! Failure under a load is delayed: cracks nucleate and grow, and a greater load makes them grow
+!! faster. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
+!!
+!!    dD/dt = x**n/tau,    x = load over strength - 1 > 0,    failed at D = 1.
+!!
+!! n = 0 gives a constant delay; then the overload x is not a field of the particles. Equations
+!! (F.1) to (F.4) of doc/theory/failure.md.
+module material_overload
+   use base_elementary, only: power
+   use base_kinds, only: int64, wp
+   use deck_group_values, only: group_t
+   use material_brittle, only: bound_deviator, find_extremes, random_exponential, weibull_t
+   use material_damage, only: damage_t
+   use material_effects, only: effects_t
+   use material_field_requests, only: field_requests_t
+   use material_law, only: law_t
+   use material_state, only: deformation_t, material_state_t
+   implicit none
+   private
+
+   public :: mean_power, overload_t, read_overload
+
+   !> Upper bound of the overload. Material at this bound fails at once, and powers remain finite.
+   real(wp), parameter :: most_overload = 1.0e9_wp
+
+   !> A limit that does not overflow when multiplied by random factors.
+   real(wp), parameter, public :: no_limit = sqrt(huge(1.0_wp))
+
+   !> Failure by a principal stress or strain.
+   type, abstract, extends(damage_t) :: overload_t
+      real(wp) :: strength = no_limit                !! Greatest principal stress [Pa]
+      real(wp) :: crushing = no_limit                !! Greatest shear stress [Pa]
+      real(wp) :: limit = 0.0_wp !! Greatest principal strain; 0: the limits are stresses [1]
+      real(wp) :: delay = 0.0_wp !! Time to failure at twice the strength, tau [s]
+      real(wp) :: power = 0.0_wp                     !! Exponent n of the delay [1]
+      type(weibull_t), allocatable :: weibull        !! Only if strength scatters
+   contains
+      procedure :: fault => overload_fault           !! Error in the combination of its keys
+      procedure :: needs_flow => overload_needs_flow !! Returns false
+      procedure :: needs_weibull => overload_needs_weibull !! If its strength scatters
+      procedure :: request => overload_request       !! Requests damage and scatter
+      procedure :: draw_strength => overload_draw_strength !! Random strength
+      procedure :: update => overload_update         !! Failure
+   end type overload_t
+
+contains
+
+   !> Error in the combination of its keys; empty if there is none.
+   pure function overload_fault(self, group, law) result(text)
+      class(overload_t), intent(in) :: self
+      type(group_t), intent(in) :: group                  !! &material
+      class(law_t), allocatable, intent(in) :: law        !! Law of strength, if there is one
+      character(len=:), allocatable :: text
+      real(wp) :: time, power
+
+      text = ""
+      if (.not. (group%known("failure_delay") .and. group%known("failure_delay_power"))) return
+      call group%get("failure_delay", time)
+      call group%get("failure_delay_power", power)
+      if (power > 0.0_wp .and. .not. time > 0.0_wp) text = "failure_delay_power needs "// &
+         "failure_delay [s], the time to failure at twice the strength; without it failure "// &
+         "is immediate [D442]"
+   end function overload_fault
+
+   !> It does not use the plastic strain.
+   pure logical function overload_needs_flow(self) result(needs)
+      class(overload_t), intent(in) :: self
+
+      needs = .false.
+   end function overload_needs_flow
+
+   !> Its strength may scatter.
+   pure logical function overload_needs_weibull(self, scatter) result(needs)
+      class(overload_t), intent(in) :: self
+      logical, intent(in) :: scatter                      !! Switch size_scatter of &effects
+
+      needs = scatter
+   end function overload_needs_weibull
+
+   !> Read the keys of delay and scatter.
+   pure subroutine read_overload(model, group, effects)
+      class(overload_t), intent(inout) :: model
+      type(group_t), intent(in) :: group                  !! &material
+      type(effects_t), intent(in) :: effects
+
+      call group%get("failure_delay", model%delay)
+      call group%get("failure_delay_power", model%power)
+      if (.not. effects%size_scatter) return
+      allocate (model%weibull)
+      if (group%given("weibull_m")) call group%get("weibull_m", model%weibull%modulus)
+      if (group%given("weibull_volume")) call group%get("weibull_volume", model%weibull%volume)
+   end subroutine read_overload
+
+   !> Damage, and a separate strength for each particle.
+   pure subroutine overload_request(self, requests)
+      class(overload_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
+
+      call requests%add("damage", "damage model "//merge("principal_strain", &
+         "principal_stress", self%limit > 0.0_wp), 1)
+      if (self%power > 0.0_wp) call requests%add("overload", "failure_delay_power", 1)
+      if (allocated(self%weibull)) call requests%add("scatter", "size_scatter", 1)
+   end subroutine overload_request
+
+   !> Strength of particles divided by the characteristic strength, (-ln U V0/V)**(1/m). Equation
+   !! (F.5).
+   pure subroutine overload_draw_strength(self, seed, identity, first, last, mass, scatter)
+      class(overload_t), intent(in) :: self
+      integer(int64), intent(in) :: seed                   !! Seed of the random numbers
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
+      real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
+      real(wp) :: number
+      integer :: k
+
+      if (.not. allocated(self%weibull)) return
+      do k = first, last
+         number = random_exponential(seed, identity(k))
+         if (self%weibull%volume > 0.0_wp) number = number*self%weibull%volume &
+            /self%slice%volume(mass(k), self%density)
+         scatter(k) = power(number, 1.0_wp/self%weibull%modulus)
+      end do
+   end subroutine overload_draw_strength
+
+   !> Growth of damage in a step whose load is known at its end. Equations (F.3) and (F.4).
+   pure subroutine overload_update(self, state, deformation, first, last, dt)
+      class(overload_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      integer :: i, k
+
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
+      call find_loads(self, state, deformation, first, last)
+      associate (load => deformation%damage%load, damage => state%damage)
+         do i = 1, last - first + 1
+            k = first - 1 + i
+            if (allocated(state%brittle%overload)) then
+               if (load(i) > 1.0_wp .or. state%brittle%overload(k) > 0.0_wp) damage(k) = &
+                  min(1.0_wp, damage(k) + dt/self%delay &
+                  *mean_power(state%brittle%overload(k), load(i) - 1.0_wp, self%power))
+               state%brittle%overload(k) = load(i) - 1.0_wp
+            else if (load(i) >= 1.0_wp .and. self%delay > dt) then
+               damage(k) = min(1.0_wp, damage(k) + dt/self%delay)
+            else if (load(i) >= 1.0_wp) then
+               damage(k) = 1.0_wp
+            end if
+         end do
+      end associate
+   end subroutine overload_update
+
+   !> Loads of the particles. Where a load is below 1, and was below 1 before, an upper bound is
+   !! sufficient: few particles are near their strength, and only these need principal values.
+   !! Equation (F.3).
+   pure subroutine find_loads(model, state, deformation, first, last)
+      class(overload_t), intent(in) :: model
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! With bounds of the deviators
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp) :: greatest, least, factor
+      integer :: i, k
+
+      associate (load => deformation%damage%load, bound => deformation%damage%bound, &
+         pressure => deformation%pressure)
+         if (model%limit > 0.0_wp .and. .not. model%bulk > 0.0_wp) then
+            ! A gas has no bulk modulus at rest and no elastic strain.
+            load(:last - first + 1) = 0.0_wp
+            return
+         end if
+         factor = 1.0_wp
+         do i = 1, last - first + 1
+            k = first - 1 + i
+            if (allocated(model%weibull)) factor = state%brittle%scatter(k)
+            load(i) = load_of(model, bound(i), bound(i), pressure(i), factor)
+            if (load(i) < 1.0_wp) then
+               if (.not. allocated(state%brittle%overload)) cycle
+               if (.not. state%brittle%overload(k) > 0.0_wp) cycle
+            end if
+            call find_extremes(state%stress, k, greatest, least)
+            load(i) = load_of(model, greatest, 0.5_wp*(greatest - least), pressure(i), factor)
+         end do
+      end associate
+   end subroutine find_loads
+
+   !> Load over strength; of stresses the greater one of tension and shear.
+   pure real(wp) function load_of(model, greatest, shear, pressure, factor) result(load)
+      class(overload_t), intent(in) :: model
+      real(wp), intent(in) :: greatest               !! Greatest value of the deviator [Pa]
+      real(wp), intent(in) :: shear                  !! Half the difference of its values [Pa]
+      real(wp), intent(in) :: pressure               !! [Pa]
+      real(wp), intent(in) :: factor                 !! Random factor of the strength [1]
+
+      if (model%limit > 0.0_wp) then
+         load = (0.5_wp*greatest/model%shear - pressure/(3.0_wp*model%bulk))/(model%limit*factor)
+      else
+         load = max((greatest - pressure)/(model%strength*factor), shear/(model%crushing*factor))
+      end if
+   end function load_of
+
+   !> Mean over a step of the power of an overload that changes linearly; negative
+   !! values count as zero. Equation (F.4).
+   pure real(wp) function mean_power(before, now, n) result(mean)
+      real(wp), intent(in) :: before                 !! Overload before the step [1]
+      real(wp), intent(in) :: now                    !! After it [1]
+      real(wp), intent(in) :: n                      !! Exponent [1]
+      ! For a smaller relative change the rounding error of the difference of powers exceeds the
+      ! truncation error of the series.
+      real(wp), parameter :: narrow = 1.0e-3_wp
+      real(wp) :: lower, upper, middle, width
+
+      mean = 0.0_wp
+      upper = min(max(before, now), most_overload)
+      if (.not. upper > 0.0_wp) return
+      lower = min(before, now, most_overload)
+      middle = 0.5_wp*(lower + upper)
+      width = upper - lower
+      if (width < narrow*middle) then
+         mean = power(middle, n)*(1.0_wp + n*(n - 1.0_wp)/24.0_wp*(width/middle)**2)
+      else
+         mean = power(upper, n)*(1.0_wp - power(max(lower, 0.0_wp)/upper, n + 1.0_wp)) &
+            *upper/((n + 1.0_wp)*width)
+      end if
+   end function mean_power
+end module material_overload
