@@ -179,7 +179,8 @@ contains
       end if
       if (allocated(error)) return
       call report_loads(session%simulation, session%log)
-      call number_lattices(session%simulation, session%bodies)
+      call number_lattices(session%simulation%space%grid, session%simulation%effects, &
+         session%simulation%balance%trust, session%bodies)
       call free_shapes(session)
       call session%outputs%open(session%simulation, session%command%restart, session%losses, error)
       if (allocated(error)) return
