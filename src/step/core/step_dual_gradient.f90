@@ -36,8 +36,8 @@ contains
 
       call machine%timer%start(machine%phase%grid)
       call ensure_dual(space, scheme, scratches, field%nodes)
-      !$omp parallel do default(none) shared(space, fields, scheme, machine, field) private(tile, &
-      !$omp began) schedule(static)
+      !$omp parallel do default(none) shared(space, fields, scheme, machine, field) &
+      !$omp private(tile, began) schedule(static)
       do tile = 1, space%tiles%all
          began = cost_clock(machine)
          call weigh_tile(space, fields, scheme, field, tile)

@@ -36,8 +36,8 @@ contains
          call ensure_patch(nodes%stress%mean, mean_columns, number, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) shared(space, stores, scheme, machine, scratches, &
-            !$omp field, tiles) private(began, n) schedule(dynamic, 1)
+            !$omp parallel do default(none) private(began, n) schedule(dynamic, 1) &
+            !$omp shared(space, stores, scheme, machine, scratches, field, tiles)
             do n = 1, size(tiles)
                began = cost_clock(machine)
                call scatter_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &

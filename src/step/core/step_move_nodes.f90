@@ -57,8 +57,8 @@ contains
             call ensure_patch(nodes%work%velocity_removed, 3, number, own)
          end associate
       end if
-      !$omp parallel do default(none) shared(simulation, nodes, dt, whole, last) private(tile, &
-      !$omp began) schedule(static)
+      !$omp parallel do default(none) shared(simulation, nodes, dt, whole, last) &
+      !$omp private(tile, began) schedule(static)
       do tile = 1, last
          began = cost_clock(simulation%machine)
          associate (scratch => simulation%scratch(omp_get_thread_num()))

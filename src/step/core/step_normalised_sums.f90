@@ -133,8 +133,8 @@ contains
          call ensure_patch(nodes%sums%factor, cell_edges, space%grid%tile_cells, own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) shared(space, stores, scheme, machine, scratches, &
-            !$omp field, tiles) private(began, n) schedule(dynamic, 1)
+            !$omp parallel do default(none) private(began, n) schedule(dynamic, 1) &
+            !$omp shared(space, stores, scheme, machine, scratches, field, tiles)
             do n = 1, size(tiles)
                began = cost_clock(machine)
                call count_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
@@ -154,8 +154,8 @@ contains
          call ensure_patch(nodes%sums%covered, 1, number, all)
          if (allocated(space%rigid)) call ensure_patch(nodes%sums%present, 1, number, all)
          call ensure_patch(nodes%sums%normal, normal_columns(scheme, stores), number, all)
-         !$omp parallel do default(none) shared(space, scheme, machine, field) private(began, &
-         !$omp tile) schedule(static)
+         !$omp parallel do default(none) shared(space, scheme, machine, field) &
+         !$omp private(began, tile) schedule(static)
          do tile = 1, space%tiles%all
             began = cost_clock(machine)
             call judge_cells(space, scheme, field%nodes, tile)

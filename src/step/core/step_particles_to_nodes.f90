@@ -99,8 +99,8 @@ contains
 
       associate (touched => field%nodes%motion%touched, grid => space%grid, own => space%tiles%own)
          call touched%ensure(own)
-         !$omp parallel do default(none) shared(space, stores, machine, field) private(began, &
-         !$omp tile, index, used) schedule(static)
+         !$omp parallel do default(none) shared(space, stores, machine, field) &
+         !$omp private(began, tile, index, used) schedule(static)
          do tile = 1, space%tiles%own
             began = cost_clock(machine)
             call empty_box(field%nodes%motion%touched%box(:, :, tile))

@@ -45,8 +45,8 @@ contains
          call ensure_patch(nodes%stress%mean, difference_columns, number, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) shared(space, stores, scheme, machine, scratches, &
-            !$omp field, tiles) private(began, n) schedule(dynamic, 1)
+            !$omp parallel do default(none) private(began, n) schedule(dynamic, 1) &
+            !$omp shared(space, stores, scheme, machine, scratches, field, tiles)
             do n = 1, size(tiles)
                began = cost_clock(machine)
                call scatter_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
@@ -61,8 +61,8 @@ contains
          call ensure_patch(nodes%stress%star, 6, number, space%tiles%all)
          call ensure_patch(nodes%stress%unit, 3, number, space%tiles%all)
          call ensure_patch(nodes%stress%difference, 3, number, space%tiles%all)
-         !$omp parallel do default(none) shared(space, scheme, machine, field) private(began, &
-         !$omp tile) schedule(static)
+         !$omp parallel do default(none) shared(space, scheme, machine, field) &
+         !$omp private(began, tile) schedule(static)
          do tile = 1, space%tiles%all
             began = cost_clock(machine)
             call unit_tile(space, scheme%dual, field%nodes, tile)

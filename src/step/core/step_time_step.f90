@@ -193,8 +193,8 @@ contains
          if (.not. conducts_heat(materials(index))) cycle
          conductivity = materials(index)%heat%conductivity
          specific_heat = materials(index)%heat%specific_heat
-         !$omp parallel do default(none) private(tile, p) reduction(max:greatest) shared(stores, &
-         !$omp index, conductivity, specific_heat) schedule(static)
+         !$omp parallel do default(none) private(tile, p) reduction(max:greatest) &
+         !$omp shared(stores, index, conductivity, specific_heat) schedule(static)
          do tile = 1, size(stores(index)%count)
             associate (store => stores(index))
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1

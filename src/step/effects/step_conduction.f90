@@ -90,8 +90,8 @@ contains
          call ensure_patch(heat%content, rows, nodes, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) shared(space, materials, stores, scheme, heat, &
-            !$omp machine, scratches, tiles) private(n, began) schedule(dynamic, 1)
+            !$omp parallel do default(none) private(n, began) schedule(dynamic, 1) &
+            !$omp shared(space, materials, stores, scheme, heat, machine, scratches, tiles)
             do n = 1, size(tiles)
                began = cost_clock(machine)
                call spread_content(space, materials, stores, scheme%method, &

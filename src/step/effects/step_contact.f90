@@ -314,8 +314,8 @@ contains
       real(wp) :: began, lost, mass
       integer :: tile, node, field
 
-      !$omp parallel do default(none) shared(space, fields, contact, machine) private(began, lost, &
-      !$omp mass, tile, node, field) schedule(dynamic, 1)
+      !$omp parallel do default(none) shared(space, fields, contact, machine) &
+      !$omp private(began, lost, mass, tile, node, field) schedule(dynamic, 1)
       do tile = 1, space%tiles%own
          began = cost_clock(machine)
          if (.not. contact%meets(tile)) cycle

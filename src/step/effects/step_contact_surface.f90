@@ -74,8 +74,8 @@ contains
       end if
       if (.not. allocated(contact%meets)) &
          allocate (contact%meets(space%tiles%all + space%tiles%all/16))
-      !$omp parallel do default(none) shared(space, fields, contact, machine) private(tile, field, &
-      !$omp here, began) schedule(static)
+      !$omp parallel do default(none) shared(space, fields, contact, machine) &
+      !$omp private(tile, field, here, began) schedule(static)
       do tile = 1, space%tiles%all
          began = cost_clock(machine)
          here = 0

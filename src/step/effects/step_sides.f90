@@ -211,8 +211,8 @@ contains
       real(wp) :: began
       integer :: tile, n
 
-      !$omp parallel do default(none) shared(space, stores, machine, sides) private(began, tile, &
-      !$omp n) schedule(static)
+      !$omp parallel do default(none) shared(space, stores, machine, sides) &
+      !$omp private(began, tile, n) schedule(static)
       do tile = 1, space%tiles%own
          began = cost_clock(machine)
          do n = 1, size(sides%store)

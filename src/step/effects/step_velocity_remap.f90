@@ -45,8 +45,8 @@ contains
             call ensure_patch(nodes%series%term, 3, number, own)
             call ensure_patch(nodes%series%loss, 1, number, own)
          end associate
-         !$omp parallel do default(none) shared(space, scheme, machine, field, dt) private(began, &
-         !$omp tile) schedule(static)
+         !$omp parallel do default(none) shared(space, scheme, machine, field, dt) &
+         !$omp private(began, tile) schedule(static)
          do tile = 1, space%tiles%own
             began = cost_clock(machine)
             call scheme%method%transfer%first_term(dt, field%nodes%motion%velocity(:, :, tile), &
@@ -59,8 +59,8 @@ contains
          do sweep = 1, transfer%sweeps()
             call spread_terms(space, stores, scheme, machine, scratches, field)
             call machine%timer%start(machine%phase%grid)
-            !$omp parallel do default(none) shared(space, scheme, machine, scratches, field, dt, &
-            !$omp sweep) private(began, tile) schedule(static)
+            !$omp parallel do default(none) private(began, tile) schedule(static) &
+            !$omp shared(space, scheme, machine, scratches, field, dt, sweep)
             do tile = 1, space%tiles%own
                began = cost_clock(machine)
                call add_term(space, scheme, field%nodes, scratches(omp_get_thread_num()), &
