@@ -13,7 +13,7 @@ module step_dual_gradient
    use step_node_sums, only: divide_nodes, ensure_sums, keep_sums, count_slots
    use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -32,16 +32,15 @@ contains
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
       integer :: tile
-      real(wp) :: began
 
       call machine%timer%start(machine%phase%grid)
       call ensure_dual(space, scheme, scratches, field%nodes)
-      !$omp parallel do default(none) shared(space, fields, scheme, machine, field) &
-      !$omp private(tile, began) schedule(static)
+      !$omp parallel do default(none) shared(space, fields, scheme, machine, field) private(tile) &
+      !$omp schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call weigh_tile(space, fields, scheme, field, tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       associate (nodes => field%nodes)
@@ -49,20 +48,20 @@ contains
          call nodes%dual%share%ensure(nodes%dual%weighted%nodes())
          call nodes%dual%force%ensure(nodes%dual%weighted%nodes())
       end associate
-      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile, began) &
+      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
       !$omp schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call share_tile(space, scheme%dual, field%nodes%dual, tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
-      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile, began) &
+      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
       !$omp schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call force_tile(space, scheme, field%nodes, tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       call machine%timer%stop(machine%phase%grid)

@@ -11,7 +11,7 @@ module step_mean_stress
    use step_node_fields, only: empty_mass, mean_columns, nodes_t
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -27,7 +27,6 @@ contains
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
@@ -36,13 +35,13 @@ contains
          call ensure_patch(nodes%stress%mean, mean_columns, number, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) private(began, n) schedule(dynamic, 1) &
+            !$omp parallel do default(none) private(n) schedule(dynamic, 1) &
             !$omp shared(space, stores, scheme, machine, scratches, field, tiles)
             do n = 1, size(tiles)
-               began = cost_clock(machine)
+               call start_cost(machine, tiles(n))
                call scatter_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
                   tiles(n), field%nodes%stress%mean(:, :, tiles(n)))
-               call record_cost(machine, tiles(n), began)
+               call stop_cost(machine, tiles(n))
             end do
             !$omp end parallel do
             call send_patches(space, machine, part, nodes%stress%mean)
@@ -50,12 +49,12 @@ contains
          call machine%timer%stop(machine%phase%scatter)
          call machine%timer%start(machine%phase%grid)
          call ensure_patch(nodes%stress%star, mean_columns - 1, number, space%tiles%all)
-         !$omp parallel do default(none) shared(space, machine, field) private(began, tile) &
+         !$omp parallel do default(none) shared(space, machine, field) private(tile) &
          !$omp schedule(static)
          do tile = 1, space%tiles%all
-            began = cost_clock(machine)
+            call start_cost(machine, tile)
             call divide_tile(space, field%nodes, tile)
-            call record_cost(machine, tile, began)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
          call machine%timer%stop(machine%phase%grid)

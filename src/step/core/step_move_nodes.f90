@@ -17,7 +17,7 @@ module step_move_nodes
    use step_particles_to_nodes, only: vector_rows
    use step_simulation, only: clock_t, machine_t, reach_t, scheme_t, scratch_t, &
       simulation_effects_t, simulation_t, space_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use step_walls, only: constrain_tile, hold_at_walls, record_push, record_stopped, &
       record_unbalanced, start_walls, stop_at_walls, walls_touch
    implicit none
@@ -39,7 +39,6 @@ contains
       !> Time step, present if node displacements are examined and node fields are not kept [s]
       real(wp), intent(in), optional :: whole
       integer :: tile, last
-      real(wp) :: began
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
       call ensure_moved(simulation%space, simulation%scheme, simulation%scratch, nodes)
@@ -57,10 +56,10 @@ contains
             call ensure_patch(nodes%work%velocity_removed, 3, number, own)
          end associate
       end if
-      !$omp parallel do default(none) shared(simulation, nodes, dt, whole, last) &
-      !$omp private(tile, began) schedule(static)
+      !$omp parallel do default(none) shared(simulation, nodes, dt, whole, last) private(tile) &
+      !$omp schedule(static)
       do tile = 1, last
-         began = cost_clock(simulation%machine)
+         call start_cost(simulation%machine, tile)
          associate (scratch => simulation%scratch(omp_get_thread_num()))
             call start_tile(simulation%space, simulation%scheme, simulation%effects, &
                simulation%clock, nodes, scratch, tile, dt)
@@ -69,7 +68,7 @@ contains
                call keep_seen(simulation%space, simulation%stores, simulation%scheme%method, &
                simulation%clock%guard, nodes%motion, scratch, tile, whole)
          end associate
-         call record_cost(simulation%machine, tile, began)
+         call stop_cost(simulation%machine, tile)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -141,7 +140,6 @@ contains
       type(nodes_t), intent(inout) :: nodes
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
-      real(wp) :: began
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
       call ensure_moved(simulation%space, simulation%scheme, simulation%scratch, nodes)
@@ -149,15 +147,14 @@ contains
          simulation%balance%ledger, simulation%machine, simulation%scratch, dt)
       call ensure_patch(nodes%work%velocity_change, 3, simulation%space%grid%tile_nodes, &
          simulation%space%tiles%own)
-      !$omp parallel do default(none) shared(simulation, nodes, dt) private(tile, began) &
-      !$omp schedule(static)
+      !$omp parallel do default(none) shared(simulation, nodes, dt) private(tile) schedule(static)
       do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation%machine)
+         call start_cost(simulation%machine, tile)
          if (tile <= simulation%space%tiles%own) &
             call clear_patch(nodes%work%velocity_change(:, :, tile))
          call start_tile(simulation%space, simulation%scheme, simulation%effects, &
             simulation%clock, nodes, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call record_cost(simulation%machine, tile, began)
+         call stop_cost(simulation%machine, tile)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -172,17 +169,16 @@ contains
       type(nodes_t), intent(inout) :: nodes
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
-      real(wp) :: began
 
       call machine%timer%start(machine%phase%grid)
       !$omp parallel do default(none) shared(space, scheme, machine, scratches, nodes, dt) &
-      !$omp private(tile, began) schedule(static)
+      !$omp private(tile) schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          if (dt > 0.0_wp .and. tile <= space%tiles%own) call record_tile(space, nodes, &
             scratches(omp_get_thread_num()), tile, dt)
          call finish_tile(space, scheme, nodes, tile, dt)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       call machine%timer%stop(machine%phase%grid)
@@ -366,19 +362,18 @@ contains
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
       type(nodes_t), intent(inout) :: nodes
-      real(wp) :: began
       integer :: tile, last
 
       call machine%timer%start(machine%phase%grid)
       last = merge(space%tiles%all, space%tiles%own, scheme%method%dual .or. &
          allocated(effects%contact))
       !$omp parallel do default(none) shared(space, scheme, effects, clock, machine, scratches, &
-      !$omp nodes, last) private(tile, began) schedule(static)
+      !$omp nodes, last) private(tile) schedule(static)
       do tile = 1, last
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call remap_tile(space, scheme, effects, clock, nodes, scratches(omp_get_thread_num()), &
             tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       call machine%timer%stop(machine%phase%grid)
@@ -435,17 +430,16 @@ contains
       type(machine_t), intent(inout) :: machine
       type(nodes_t), intent(inout) :: nodes
       integer :: tile
-      real(wp) :: began
 
       if (.not. scheme%method%dual) return
       call machine%timer%start(machine%phase%grid)
-      !$omp parallel do default(none) shared(space, scheme, machine, nodes) private(tile, began) &
+      !$omp parallel do default(none) shared(space, scheme, machine, nodes) private(tile) &
       !$omp schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call store_gradient(space, scheme%dual, nodes%dual, tile, nodes%motion%strain(:, :, &
             tile), nodes%dual%gradient)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       call machine%timer%stop(machine%phase%grid)

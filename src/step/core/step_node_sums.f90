@@ -6,7 +6,7 @@ module step_node_sums
    use mesh_tiles, only: tiles_t
    use step_node_fields, only: empty_mass, motion_nodes_t
    use step_simulation, only: machine_t, scratch_t, space_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -70,15 +70,13 @@ contains
       type(machine_t), intent(inout) :: machine
       type(motion_nodes_t), intent(inout) :: motion
       integer :: tile
-      real(wp) :: began
 
       if (motion%lean) return
-      !$omp parallel do default(none) shared(space, machine, motion) private(tile, began) &
-      !$omp schedule(static)
+      !$omp parallel do default(none) shared(space, machine, motion) private(tile) schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call find_sums(space, motion, tile, tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine renew_sums

@@ -25,7 +25,7 @@ module step_nodes_to_particles
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_strain_average, only: average_strain, keep_earlier
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use step_velocity_remap, only: find_slopes
    use transfer_affine, only: gather_affine_heat, keep_affine
    use transfer_basis, only: expand_spin
@@ -77,17 +77,17 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t) :: view, other
       integer :: tile
-      real(wp) :: began, lap
+      real(wp) :: lap
 
       associate (scratch => simulation%scratch(omp_get_thread_num()))
          call scratch%laps%start_step(simulation%clock%step)
          !$omp do schedule(dynamic, 1)
          do tile = 1, simulation%space%tiles%own
-            began = cost_clock(simulation%machine)
+            call start_cost(simulation%machine, tile)
             lap = scratch%laps%read_clock()
             call gather_tile(simulation, field, scratch, tile, parts, dt, view, other)
             call scratch%laps%record(lap)
-            call record_cost(simulation%machine, tile, began)
+            call stop_cost(simulation%machine, tile)
          end do
          !$omp end do
       end associate

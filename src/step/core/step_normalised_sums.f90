@@ -25,7 +25,7 @@ module step_normalised_sums
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_pressure_relaxation, only: relaxes_pressure
    use step_simulation, only: clock_t, machine_t, scheme_t, scratch_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use step_walls, only: start_walls
    use transfer_cut_cells, only: cut_cells, ramp
    use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals, edges
@@ -122,7 +122,6 @@ contains
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
@@ -133,14 +132,14 @@ contains
          call ensure_patch(nodes%sums%factor, cell_edges, space%grid%tile_cells, own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) private(began, n) schedule(dynamic, 1) &
+            !$omp parallel do default(none) private(n) schedule(dynamic, 1) &
             !$omp shared(space, stores, scheme, machine, scratches, field, tiles)
             do n = 1, size(tiles)
-               began = cost_clock(machine)
+               call start_cost(machine, tiles(n))
                call count_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
                   tiles(n), field%nodes%sums%counted(:, :, tiles(n)), &
                   field%nodes%sums%factor(:, :, tiles(n)))
-               call record_cost(machine, tiles(n), began)
+               call stop_cost(machine, tiles(n))
             end do
             !$omp end parallel do
             call send_patches(space, machine, part, nodes%sums%counted)
@@ -154,20 +153,20 @@ contains
          call ensure_patch(nodes%sums%covered, 1, number, all)
          if (allocated(space%rigid)) call ensure_patch(nodes%sums%present, 1, number, all)
          call ensure_patch(nodes%sums%normal, normal_columns(scheme, stores), number, all)
-         !$omp parallel do default(none) shared(space, scheme, machine, field) &
-         !$omp private(began, tile) schedule(static)
+         !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
+         !$omp schedule(static)
          do tile = 1, space%tiles%all
-            began = cost_clock(machine)
+            call start_cost(machine, tile)
             call judge_cells(space, scheme, field%nodes, tile)
-            call record_cost(machine, tile, began)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
-         !$omp parallel do default(none) shared(space, scheme, machine, field) &
-         !$omp private(began, tile) schedule(static)
+         !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
+         !$omp schedule(static)
          do tile = 1, space%tiles%all
-            began = cost_clock(machine)
+            call start_cost(machine, tile)
             call find_node_factors(space, scheme, field%nodes%sums, tile)
-            call record_cost(machine, tile, began)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
          call machine%timer%stop(machine%phase%grid)
@@ -183,23 +182,22 @@ contains
       type(normalised_nodes_t), intent(in) :: normalised
       integer, intent(in) :: index                   !! Index of the material and of its store
       logical, allocatable, intent(out) :: full(:, :) !! (0:cells - 1, tile)
-      real(wp) :: began
       integer :: tile, cell, lane
 
       if (.not. allocated(scheme%flows)) return
       if (.not. scheme%flows(index)) return
       allocate (full(0:space%grid%tile_cells - 1, space%tiles%own), source=.true.)
       !$omp parallel do default(none) shared(space, scheme, machine, normalised, full) &
-      !$omp private(began, tile, cell, lane) schedule(static)
+      !$omp private(tile, cell, lane) schedule(static)
       do tile = 1, space%tiles%own
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          do cell = 0, space%grid%tile_cells - 1
             do lane = 1, 2**space%grid%dimensions
                full(cell, tile) = full(cell, tile) .and. normalised%normal(4, &
                   space%grid%first_node(cell) + space%grid%lane_offset(lane), tile) > 0.0_wp
             end do
          end do
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine find_full

@@ -13,7 +13,7 @@ module step_particles_to_nodes
    use step_node_fields, only: motion_nodes_t, nodes_t
    use step_simulation, only: machine_t, scheme_t, scratch_t, simulation_effects_t, space_t, &
       velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_bbar, only: average_pressure
    use transfer_scatter, only: dual_columns, motion_columns
    use transfer_shape_data, only: shape_data_t
@@ -43,7 +43,6 @@ contains
       type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: part, n, tile
-      real(wp) :: began
 
       ! the sums of the other side are computed with those of the first
       if (field%last_store < field%first_store) return
@@ -67,12 +66,12 @@ contains
       do part = edge_tiles, inner_tiles
          call next_tiles(space, machine%communicator, part, tiles)
          !$omp parallel do default(none) shared(space, stores, fields, scheme, effects, machine, &
-         !$omp scratches, field, tiles) private(n, began) schedule(dynamic, 1)
+         !$omp scratches, field, tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(machine)
+            call start_cost(machine, tiles(n))
             call scatter_tile(space, stores, fields, scheme, effects, field, &
                scratches(omp_get_thread_num()), tiles(n))
-            call record_cost(machine, tiles(n), began)
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
          call send_motion(space, scheme%method, machine, field%nodes%motion, part)
@@ -93,16 +92,15 @@ contains
       type(simulation_effects_t), intent(in) :: effects
       type(machine_t), intent(inout) :: machine
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: began
       logical :: used(space%grid%tile_cells)
       integer :: tile, index
 
       associate (touched => field%nodes%motion%touched, grid => space%grid, own => space%tiles%own)
          call touched%ensure(own)
          !$omp parallel do default(none) shared(space, stores, machine, field) &
-         !$omp private(began, tile, index, used) schedule(static)
+         !$omp private(tile, index, used) schedule(static)
          do tile = 1, space%tiles%own
-            began = cost_clock(machine)
+            call start_cost(machine, tile)
             call empty_box(field%nodes%motion%touched%box(:, :, tile))
             do index = field%first_store, field%last_store
                associate (store => stores(index))
@@ -112,7 +110,7 @@ contains
                end associate
                call widen_box(space%grid, used, field%nodes%motion%touched%box(:, :, tile))
             end do
-            call record_cost(machine, tile, began)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
          call touched%line_up(grid, space%tiles)

@@ -15,7 +15,7 @@ module step_retry
    use step_offending_particle, only: broadcast_text, step_text
    use step_simulation, only: clock_t, machine_t, reach_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -104,7 +104,6 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: worst
       type(reach_t) :: mine, reach
-      real(wp) :: began
       integer :: tile, thread
 
       if (motion%lean) then
@@ -117,14 +116,14 @@ contains
       end if
       mine = reach_t()
       !$omp parallel default(none) shared(simulation, motion, dt, worst) firstprivate(mine) &
-      !$omp private(began, tile, reach)
+      !$omp private(tile, reach)
       !$omp do schedule(static)
       do tile = 1, simulation%space%tiles%own
-         began = cost_clock(simulation%machine)
+         call start_cost(simulation%machine, tile)
          call examine_tile(simulation%space, simulation%stores, simulation%scheme%method, &
             simulation%clock%guard, motion, tile, simulation%space%mesh_time(dt), reach)
          if (is_worse(reach, mine)) mine = reach
-         call record_cost(simulation%machine, tile, began)
+         call stop_cost(simulation%machine, tile)
       end do
       !$omp end do
       !$omp critical

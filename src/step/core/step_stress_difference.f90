@@ -16,7 +16,7 @@ module step_stress_difference
    use step_node_sums, only: divide_nodes
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_scatter, only: dual_columns
    implicit none
    private
@@ -36,7 +36,6 @@ contains
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
@@ -45,13 +44,13 @@ contains
          call ensure_patch(nodes%stress%mean, difference_columns, number, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) private(began, n) schedule(dynamic, 1) &
+            !$omp parallel do default(none) private(n) schedule(dynamic, 1) &
             !$omp shared(space, stores, scheme, machine, scratches, field, tiles)
             do n = 1, size(tiles)
-               began = cost_clock(machine)
+               call start_cost(machine, tiles(n))
                call scatter_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
                   tiles(n), field%nodes%stress%mean(:, :, tiles(n)))
-               call record_cost(machine, tiles(n), began)
+               call stop_cost(machine, tiles(n))
             end do
             !$omp end parallel do
             call send_patches(space, machine, part, nodes%stress%mean)
@@ -61,20 +60,20 @@ contains
          call ensure_patch(nodes%stress%star, 6, number, space%tiles%all)
          call ensure_patch(nodes%stress%unit, 3, number, space%tiles%all)
          call ensure_patch(nodes%stress%difference, 3, number, space%tiles%all)
-         !$omp parallel do default(none) shared(space, scheme, machine, field) &
-         !$omp private(began, tile) schedule(static)
-         do tile = 1, space%tiles%all
-            began = cost_clock(machine)
-            call unit_tile(space, scheme%dual, field%nodes, tile)
-            call record_cost(machine, tile, began)
-         end do
-         !$omp end parallel do
-         !$omp parallel do default(none) shared(space, machine, field) private(began, tile) &
+         !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
          !$omp schedule(static)
          do tile = 1, space%tiles%all
-            began = cost_clock(machine)
+            call start_cost(machine, tile)
+            call unit_tile(space, scheme%dual, field%nodes, tile)
+            call stop_cost(machine, tile)
+         end do
+         !$omp end parallel do
+         !$omp parallel do default(none) shared(space, machine, field) private(tile) &
+         !$omp schedule(static)
+         do tile = 1, space%tiles%all
+            call start_cost(machine, tile)
             call difference_tile(space, field%nodes, tile)
-            call record_cost(machine, tile, began)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
          call machine%timer%stop(machine%phase%grid)

@@ -13,7 +13,7 @@ module step_tile_rotation
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_simulation, only: machine_t, simulation_effects_t, space_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -31,7 +31,6 @@ contains
       type(store_t), intent(inout) :: stores(:)
       type(simulation_effects_t), intent(inout) :: effects
       type(machine_t), intent(inout) :: machine
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n, tile
 
@@ -39,22 +38,22 @@ contains
       call ensure_patch(effects%turn, columns, space%grid%tile_nodes, space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(space, machine%communicator, part, tiles)
-         !$omp parallel do default(none) shared(space, stores, effects, machine, tiles) &
-         !$omp private(began, n) schedule(dynamic, 1)
+         !$omp parallel do default(none) shared(space, stores, effects, machine, tiles) private(n) &
+         !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(machine)
+            call start_cost(machine, tiles(n))
             call add_tile(space, stores, tiles(n), effects%turn(:, :, tiles(n)))
-            call record_cost(machine, tiles(n), began)
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
          call send_patches(space, machine, part, effects%turn)
       end do
-      !$omp parallel do default(none) shared(space, stores, effects, machine) private(began, tile) &
+      !$omp parallel do default(none) shared(space, stores, effects, machine) private(tile) &
       !$omp schedule(dynamic, 1)
       do tile = 1, space%tiles%own
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call turn_tile(space, stores, effects, tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       call machine%timer%stop(machine%phase%scatter)

@@ -16,7 +16,7 @@ module step_body_force
    use step_particles_to_nodes, only: find_loads, locate_particles
    use step_simulation, only: clock_t, machine_t, scheme_t, scratch_t, simulation_effects_t, &
       space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -56,16 +56,15 @@ contains
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp) :: began
       integer :: tile
 
       !$omp parallel do default(none) shared(space, stores, scheme, effects, machine, scratches, &
-      !$omp field, dt) private(began, tile) schedule(dynamic, 1)
+      !$omp field, dt) private(tile) schedule(dynamic, 1)
       do tile = 1, space%tiles%own
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call record_tile(space, stores, scheme, effects, field, scratches(omp_get_thread_num()), &
             tile, dt)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine record_body_force

@@ -24,7 +24,7 @@ module step_conduction
    use step_node_sums, only: divide_nodes
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: conduction_t, machine_t, scheme_t, scratch_t, space_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_scatter, only: dual_columns, motion_columns
    use transfer_shape_data, only: shape_data_t, spare
    implicit none
@@ -54,19 +54,18 @@ contains
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: began
       integer :: tile
 
       call machine%timer%start(machine%phase%conduction)
       call find_temperature(space, materials, stores, scheme, heat, machine, scratches)
       call find_flow(space, materials, stores, scheme, heat, machine, scratches, dt)
       !$omp parallel do default(none) shared(space, materials, stores, scheme, heat, machine, &
-      !$omp scratches, dt) private(tile, began) schedule(dynamic, 1)
+      !$omp scratches, dt) private(tile) schedule(dynamic, 1)
       do tile = 1, space%tiles%own
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call give_heat(space, materials, stores, scheme%method, heat, &
             scratches(omp_get_thread_num()), tile, dt)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       call machine%timer%stop(machine%phase%conduction)
@@ -81,7 +80,6 @@ contains
       type(conduction_t), intent(inout) :: heat
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n, rows
 
@@ -90,13 +88,13 @@ contains
          call ensure_patch(heat%content, rows, nodes, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) private(n, began) schedule(dynamic, 1) &
+            !$omp parallel do default(none) private(n) schedule(dynamic, 1) &
             !$omp shared(space, materials, stores, scheme, heat, machine, scratches, tiles)
             do n = 1, size(tiles)
-               began = cost_clock(machine)
+               call start_cost(machine, tiles(n))
                call spread_content(space, materials, stores, scheme%method, &
                   scratches(omp_get_thread_num()), tiles(n), heat%content(:, :, tiles(n)))
-               call record_cost(machine, tiles(n), began)
+               call stop_cost(machine, tiles(n))
             end do
             !$omp end parallel do
             call send_patches(space, machine, part, heat%content)
@@ -119,7 +117,6 @@ contains
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
@@ -128,12 +125,12 @@ contains
       do part = edge_tiles, inner_tiles
          call next_tiles(space, machine%communicator, part, tiles)
          !$omp parallel do default(none) shared(space, materials, stores, scheme, heat, machine, &
-         !$omp scratches, tiles, dt) private(n, began) schedule(dynamic, 1)
+         !$omp scratches, tiles, dt) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(machine)
+            call start_cost(machine, tiles(n))
             call spread_flow(space, materials, stores, scheme%method, heat, &
                scratches(omp_get_thread_num()), tiles(n), dt, heat%flow(:, :, tiles(n)))
-            call record_cost(machine, tiles(n), began)
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
          call send_patches(space, machine, part, heat%flow)
@@ -189,15 +186,14 @@ contains
             integer, intent(in) :: tile
          end subroutine work
       end interface
-      real(wp) :: began
       integer :: tile
 
-      !$omp parallel do default(none) shared(space, scheme, heat, machine) private(began, tile) &
+      !$omp parallel do default(none) shared(space, scheme, heat, machine) private(tile) &
       !$omp schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call work(space, scheme, heat, tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine each_tile

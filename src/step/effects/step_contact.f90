@@ -15,7 +15,7 @@ module step_contact
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: contact_t, guesses, machine_t, scheme_t, scratch_t, space_t, &
       velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use step_walls, only: pair_row
    use transfer_contact, only: bond_traction, contact_bonded, separate_bodies, state_bonded, &
       state_closed, state_open
@@ -41,7 +41,6 @@ contains
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp) :: began
       integer :: tile, field
 
       call machine%timer%start(machine%phase%contact)
@@ -63,11 +62,11 @@ contains
          end associate
       end if
       !$omp parallel do default(none) shared(space, fields, scheme, contact, ledger, machine, &
-      !$omp scratches, dt) private(tile, began) schedule(dynamic, 1)
+      !$omp scratches, dt) private(tile) schedule(dynamic, 1)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call touch_tile(space, fields, scheme, contact, ledger, scratches, tile, dt)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       call machine%timer%stop(machine%phase%contact)
@@ -311,14 +310,14 @@ contains
       type(velocity_field_t), intent(inout) :: fields(:)
       type(contact_t), intent(in) :: contact
       type(machine_t), intent(inout) :: machine
-      real(wp) :: began, lost, mass
+      real(wp) :: lost, mass
       integer :: tile, node, field
 
       !$omp parallel do default(none) shared(space, fields, contact, machine) &
-      !$omp private(began, lost, mass, tile, node, field) schedule(dynamic, 1)
+      !$omp private(lost, mass, tile, node, field) schedule(dynamic, 1)
       do tile = 1, space%tiles%own
-         began = cost_clock(machine)
          if (.not. contact%meets(tile)) cycle
+         call start_cost(machine, tile)
          do node = 1, space%grid%tile_nodes
             lost = 0.0_wp
             mass = 0.0_wp
@@ -336,7 +335,7 @@ contains
                fields(field)%nodes%work%contact_heat(1, node, tile) = lost/mass
             end do
          end do
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine find_later_heat
@@ -351,13 +350,12 @@ contains
       type(contact_t), intent(in) :: contact
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
-      real(wp) :: began
       integer :: tile, field, index
 
       !$omp parallel do default(none) shared(space, stores, fields, method, contact, machine, &
-      !$omp scratches) private(began, tile, field, index) schedule(dynamic, 1)
+      !$omp scratches) private(tile, field, index) schedule(dynamic, 1)
       do tile = 1, space%tiles%own
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          do field = 1, size(fields)
             if (.not. any(contact%broken(field, :, tile))) cycle
             do index = fields(field)%first_store, fields(field)%last_store
@@ -366,7 +364,7 @@ contains
                   contact%broken(field, :, tile), tile, stores(index))
             end do
          end do
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine break_bonds

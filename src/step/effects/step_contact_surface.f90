@@ -17,7 +17,7 @@ module step_contact_surface
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: contact_t, guesses, machine_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_contact, only: find_reach, particle_widths
    use transfer_scatter, only: motion_columns
    use transfer_side_kernels, only: add_side_areas, find_side_reach
@@ -66,7 +66,6 @@ contains
       type(contact_t), intent(inout) :: contact
       type(machine_t), intent(inout) :: machine
       integer :: tile, field
-      real(wp) :: began
       integer :: here(space%grid%tile_nodes)
 
       if (allocated(contact%meets)) then
@@ -75,16 +74,16 @@ contains
       if (.not. allocated(contact%meets)) &
          allocate (contact%meets(space%tiles%all + space%tiles%all/16))
       !$omp parallel do default(none) shared(space, fields, contact, machine) &
-      !$omp private(tile, field, here, began) schedule(static)
+      !$omp private(tile, field, here) schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          here = 0
          do field = 1, size(fields)
             where (fields(field)%nodes%motion%mass(1, :, tile) > empty_mass) &
                here = here + 1
          end do
          contact%meets(tile) = any(here > 1)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine find_meetings
@@ -104,18 +103,17 @@ contains
       end interface
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
       integer, allocatable :: tiles(:)
-      real(wp) :: began
       integer :: part, n
 
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation%space, simulation%machine%communicator, part, tiles)
-         !$omp parallel do default(none) shared(simulation, tiles, patch) private(n, began) &
+         !$omp parallel do default(none) shared(simulation, tiles, patch) private(n) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation%machine)
+            call start_cost(simulation%machine, tiles(n))
             call work(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
                patch(:, :, tiles(n)))
-            call record_cost(simulation%machine, tiles(n), began)
+            call stop_cost(simulation%machine, tiles(n))
          end do
          !$omp end parallel do
          call send_patches(simulation%space, simulation%machine, part, patch)
@@ -231,15 +229,13 @@ contains
       type(space_t), intent(in) :: space
       type(contact_t), intent(inout) :: contact
       type(machine_t), intent(inout) :: machine
-      real(wp) :: began
       integer :: tile
 
-      !$omp parallel do default(none) shared(space, contact, machine) private(began, tile) &
-      !$omp schedule(static)
+      !$omp parallel do default(none) shared(space, contact, machine) private(tile) schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call sum_tile(space, contact, tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine sum_areas

@@ -23,7 +23,7 @@ module step_heat_flux
    use step_node_sums, only: divide_nodes
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: heat_flux_t, scratch_t, simulation_t, space_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -38,7 +38,6 @@ contains
    subroutine add_artificial_heat_flux(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! With artificial viscosity
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: began
       integer :: index, tile
 
       associate (space => simulation%space, machine => simulation%machine, &
@@ -52,31 +51,30 @@ contains
          do index = 1, size(simulation%stores)
             if (.not. has_heat_flux(simulation%stores(index))) cycle
             call sum_patches(simulation, index, dt, scatter_energy, heat%content)
-            !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(static)
+            !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
             do tile = 1, simulation%space%tiles%own
-               began = cost_clock(simulation%machine)
+               call start_cost(simulation%machine, tile)
                call find_energy(simulation%space, simulation%effects%heat_flux, tile)
-               call record_cost(simulation%machine, tile, began)
+               call stop_cost(simulation%machine, tile)
             end do
             !$omp end parallel do
             call sum_patches(simulation, index, dt, scatter_conductance, heat%flux)
-            !$omp parallel do default(none) shared(simulation, dt) private(began, tile) &
-            !$omp schedule(static)
+            !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
             do tile = 1, simulation%space%tiles%own
-               began = cost_clock(simulation%machine)
+               call start_cost(simulation%machine, tile)
                call find_passed(simulation%space, simulation%effects%heat_flux, tile, dt)
-               call record_cost(simulation%machine, tile, began)
+               call stop_cost(simulation%machine, tile)
             end do
             !$omp end parallel do
             call sum_patches(simulation, index, dt, scatter_flux, heat%flux)
-            !$omp parallel do default(none) shared(simulation, index, dt) private(began, tile) &
+            !$omp parallel do default(none) shared(simulation, index, dt) private(tile) &
             !$omp schedule(dynamic, 1)
             do tile = 1, simulation%space%tiles%own
-               began = cost_clock(simulation%machine)
+               call start_cost(simulation%machine, tile)
                if (simulation%stores(index)%count(tile) > 0) call give_energy(simulation%space, &
                   simulation%materials(index), simulation%stores(index), simulation%scheme%method, &
                   simulation%effects%heat_flux, simulation%scratch(omp_get_thread_num()), tile, dt)
-               call record_cost(simulation%machine, tile, began)
+               call stop_cost(simulation%machine, tile)
             end do
             !$omp end parallel do
          end do
@@ -111,20 +109,19 @@ contains
          end subroutine work
       end interface
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation%space, simulation%machine%communicator, part, tiles)
-         !$omp parallel do default(none) shared(simulation, index, dt, tiles, patch) &
-         !$omp private(began, n) schedule(dynamic, 1)
+         !$omp parallel do default(none) shared(simulation, index, dt, tiles, patch) private(n) &
+         !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation%machine)
+            call start_cost(simulation%machine, tiles(n))
             call clear_patch(patch(:, :, tiles(n)))
             if (simulation%stores(index)%count(tiles(n)) > 0) call work(simulation, &
                simulation%scratch(omp_get_thread_num()), index, tiles(n), dt, patch(:, :, tiles(n)))
-            call record_cost(simulation%machine, tiles(n), began)
+            call stop_cost(simulation%machine, tiles(n))
          end do
          !$omp end parallel do
          call send_patches(simulation%space, simulation%machine, part, patch)

@@ -12,7 +12,7 @@ module step_sides
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: machine_t, scratch_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_sides, only: add_cell_slopes, choose_sides, find_axis, is_split, join_sides, &
       measure_intact, part_rows, product_rows, set_products, sides_t, weigh_sides
    implicit none
@@ -87,19 +87,18 @@ contains
       type(sides_t), intent(inout) :: sides          !! The two sides of a field
       integer, intent(in) :: kind                    !! One of the sums above
       integer, allocatable :: tiles(:)
-      real(wp) :: began
       integer :: part, n
 
       call ensure_patch(sides%patch, rows(kind), space%grid%tile_nodes, space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(space, machine%communicator, part, tiles)
          !$omp parallel do default(none) shared(space, stores, method, machine, scratches, sides, &
-         !$omp kind, tiles) private(n, began) schedule(dynamic, 1)
+         !$omp kind, tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(machine)
+            call start_cost(machine, tiles(n))
             call add_tile(space, stores, method, sides, scratches(omp_get_thread_num()), &
                kind, tiles(n))
-            call record_cost(machine, tiles(n), began)
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
          call send_patches(space, machine, part, sides%patch)
@@ -156,17 +155,16 @@ contains
       type(machine_t), intent(inout) :: machine
       type(sides_t), intent(inout) :: sides          !! Sums are known
       integer, intent(in) :: kind                    !! One of the sums above
-      real(wp) :: began
       integer :: tile
 
       ! weights of cells are found in tiles of other ranks too, which are known after an exchange
       call sides%reserve(space%grid%tile_nodes, space%tiles%all)
-      !$omp parallel do default(none) shared(space, machine, sides, kind) private(began, tile) &
+      !$omp parallel do default(none) shared(space, machine, sides, kind) private(tile) &
       !$omp schedule(static)
       do tile = 1, merge(space%tiles%all, space%tiles%own, kind == sum_parts)
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call evaluate_tile(space, sides, kind, tile)
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine evaluate_sums
@@ -208,20 +206,19 @@ contains
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(inout) :: machine
       type(sides_t), intent(inout) :: sides          !! The two sides of a field
-      real(wp) :: began
       integer :: tile, n
 
-      !$omp parallel do default(none) shared(space, stores, machine, sides) &
-      !$omp private(began, tile, n) schedule(static)
+      !$omp parallel do default(none) shared(space, stores, machine, sides) private(tile, n) &
+      !$omp schedule(static)
       do tile = 1, space%tiles%own
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          do n = 1, size(sides%store)
             associate (store => stores(sides%before + n))
                if (store%count(tile) > 0) call join_sides(space%grid, store%cell_start(:, tile), &
                   store%first(tile), sides%split(:, tile), sides%store(n)%other)
             end associate
          end do
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine join_unsplit_sides

@@ -15,7 +15,7 @@ module step_velocity_remap
    use step_node_sums, only: divide_nodes
    use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use step_walls, only: record_push, record_walls, remove_wall_components, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
@@ -36,7 +36,6 @@ contains
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: began
       integer :: sweep, tile
 
       associate (transfer => scheme%method%transfer)
@@ -45,27 +44,27 @@ contains
             call ensure_patch(nodes%series%term, 3, number, own)
             call ensure_patch(nodes%series%loss, 1, number, own)
          end associate
-         !$omp parallel do default(none) shared(space, scheme, machine, field, dt) &
-         !$omp private(began, tile) schedule(static)
+         !$omp parallel do default(none) shared(space, scheme, machine, field, dt) private(tile) &
+         !$omp schedule(static)
          do tile = 1, space%tiles%own
-            began = cost_clock(machine)
+            call start_cost(machine, tile)
             call scheme%method%transfer%first_term(dt, field%nodes%motion%velocity(:, :, tile), &
                field%nodes%motion%acceleration(:, :, tile), field%nodes%series%term(:, :, tile))
             field%nodes%series%filtered(:, :, tile) = field%nodes%series%term(:, :, tile)
             field%nodes%series%loss(:, :, tile) = 0.0_wp
-            call record_cost(machine, tile, began)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
          do sweep = 1, transfer%sweeps()
             call spread_terms(space, stores, scheme, machine, scratches, field)
             call machine%timer%start(machine%phase%grid)
-            !$omp parallel do default(none) private(began, tile) schedule(static) &
+            !$omp parallel do default(none) private(tile) schedule(static) &
             !$omp shared(space, scheme, machine, scratches, field, dt, sweep)
             do tile = 1, space%tiles%own
-               began = cost_clock(machine)
+               call start_cost(machine, tile)
                call add_term(space, scheme, field%nodes, scratches(omp_get_thread_num()), &
                   tile, sweep, dt)
-               call record_cost(machine, tile, began)
+               call stop_cost(machine, tile)
             end do
             !$omp end parallel do
             call machine%timer%stop(machine%phase%grid)
@@ -81,7 +80,6 @@ contains
       type(machine_t), intent(inout) :: machine
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
@@ -90,13 +88,13 @@ contains
       do part = edge_tiles, inner_tiles
          call next_tiles(space, machine%communicator, part, tiles)
          !$omp parallel do default(none) shared(space, stores, scheme, machine, scratches, field, &
-         !$omp tiles) private(began, n) schedule(dynamic, 1)
+         !$omp tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(machine)
+            call start_cost(machine, tiles(n))
             call spread_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
                tiles(n), field%nodes%series%term(:, :, tiles(n)), &
                field%nodes%series%extra(:, :, tiles(n)))
-            call record_cost(machine, tiles(n), began)
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
          call send_patches(space, machine, part, field%nodes%series%extra)
@@ -204,7 +202,6 @@ contains
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
@@ -214,12 +211,12 @@ contains
       do part = edge_tiles, inner_tiles
          call next_tiles(space, machine%communicator, part, tiles)
          !$omp parallel do default(none) shared(space, stores, scheme, machine, scratches, field, &
-         !$omp dt, tiles) private(began, n) schedule(dynamic, 1)
+         !$omp dt, tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(machine)
+            call start_cost(machine, tiles(n))
             call scatter_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
                tiles(n), dt, field%nodes%series%extra(:, :, tiles(n)))
-            call record_cost(machine, tiles(n), began)
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
          call send_patches(space, machine, part, field%nodes%series%extra)

@@ -14,7 +14,7 @@ module step_walls
    use step_method, only: method_t
    use step_node_fields, only: motion_nodes_t, nodes_t
    use step_simulation, only: clock_t, machine_t, scheme_t, scratch_t, simulation_effects_t, space_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -76,7 +76,6 @@ contains
       type(space_t), intent(inout) :: space
       type(machine_t), intent(inout) :: machine
       type(held_t), allocatable :: longer(:)
-      real(wp) :: began
       integer :: tile
 
       associate (rigid => space%rigid, all => space%tiles%all)
@@ -87,12 +86,12 @@ contains
             call move_alloc(longer, rigid%held)
          end if
       end associate
-      !$omp parallel do default(none) shared(space, machine) private(began, tile) schedule(dynamic)
+      !$omp parallel do default(none) shared(space, machine) private(tile) schedule(dynamic)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          call space%rigid%hold(space%grid, space%boundary, space%tiles%coordinate(:, tile), &
             space%rigid%held(tile))
-         call record_cost(machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       space%rigid%switched = .false.
