@@ -23,9 +23,8 @@ module step_move_nodes
    implicit none
    private
 
-   public :: records_later, finish_node_motion, move_nodes, restore_velocities, &
-      find_remapped_velocities, start_node_motion, &
-      strain_nodes
+   public :: find_remapped_velocities, finish_node_motion, move_nodes, records_later, &
+      restore_velocities, start_node_motion
 
 contains
 

@@ -17,7 +17,7 @@ module step_node_fields
    private
 
    public :: dual_nodes_t, motion_nodes_t, node_needs_t, node_tally_t, nodes_t, &
-      normalised_nodes_t, series_nodes_t
+      normalised_nodes_t
 
    integer, parameter, public :: mean_columns = 7    !! Volume and stress times volume
    !> Columns of the sums for differences of stress: those of the force, and force of unit stress

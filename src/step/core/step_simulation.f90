@@ -34,7 +34,7 @@ module step_simulation
    implicit none
    private
 
-   public :: clock_t, conduction_t, conservation_t, contact_t, heat_flux_t, load_t, machine_t, &
+   public :: clock_t, conduction_t, contact_t, heat_flux_t, load_t, machine_t, &
       phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_effects_t, simulation_t, &
       space_t, velocity_field_t
 

@@ -18,7 +18,7 @@ module step_walls
    implicit none
    private
 
-   public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, pair_row, record_push, &
+   public :: apply_walls, constrain_tile, hold_at_walls, pair_row, record_push, &
       record_stopped, record_unbalanced, record_walls, remove_wall_components, start_walls, &
       stop_at_walls, walls_touch
 

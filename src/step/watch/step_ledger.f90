@@ -130,7 +130,6 @@ module step_ledger
    !> The entries at one time and the errors of the balance.
    type :: balance_t
       real(wp) :: entry(size(ledger_entries)) = 0.0_wp      !! Values in SI
-      real(wp) :: speed_scale = 0.0_wp               !! Sum of mass times speed, for errors [kg m/s]
       real(wp) :: total = 0.0_wp !! Kinetic, internal, dissipated, lost, removed energy [J]
       real(wp) :: mass_error = 0.0_wp                !! Relative to the mass at the start
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
