@@ -55,8 +55,8 @@ contains
          if (allocated(effects%loads)) call set_loads(effects%loads, &
             clock%time - method%lag(clock%dt), method%kick(clock%dt, dt))
          if (method%smooth_turn) call smooth_tile_rotation(space, stores, effects, machine)
-         if (allocated(effects%contact)) call find_sides(space, stores, fields, method, machine, &
-            scratch)
+         if (allocated(effects%contact)) call find_sides(space, stores, fields, method, &
+            machine, scratch)
          if (method%strains_first()) call strain_before(simulation, dt)
          if (allocated(effects%loads)) call balance_loads(machine%communicator, space%grid, &
             space%tiles%coordinate, stores, effects%loads)
@@ -156,8 +156,8 @@ contains
       associate (space => simulation%space, stores => simulation%stores, &
          scheme => simulation%scheme, method => simulation%scheme%method, &
          machine => simulation%machine, scratch => simulation%scratch)
-         if (method%controlled()) call find_mean_stress(space, stores, scheme, machine, scratch, &
-            field)
+         if (method%controlled()) call find_mean_stress(space, stores, scheme, machine, &
+            scratch, field)
          if (allocated(scheme%normalises)) call find_edge_factors(space, stores, scheme, &
             simulation%clock, simulation%balance%ledger, machine, scratch, field)
          call particles_to_nodes(space, stores, simulation%fields, scheme, simulation%effects, &
@@ -216,8 +216,8 @@ contains
             call start_node_motion(simulation, fields(n)%nodes, dt)
          end do
          call find_contact_surfaces(simulation)
-         call apply_contact(space, fields, scheme, contact, simulation%balance%ledger, machine, &
-            scratch, dt)
+         call apply_contact(space, fields, scheme, contact, simulation%balance%ledger, &
+            machine, scratch, dt)
          if (contact%bonded) call break_bonds(space, simulation%stores, fields, scheme%method, &
             contact, machine, scratch)
          do n = 1, size(fields)

@@ -272,8 +272,7 @@ contains
          call divide_nodes(nodes%dual%volume(:, low:high, nodes%motion%slot(tile)), 1, &
             gradient(:, low:high))
       end if
-      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), &
-         gradient)
+      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), gradient)
    end subroutine node_gradient
 
    !> Bound the gain of a node of small mass in the step in the velocity that strains: its force

@@ -124,10 +124,10 @@ contains
             if (stores(index)%count(tile) == 0) cycle
             call locate_particles(space, scheme, field, scratch, stores(index), tile)
             call scratch%deformation%reserve(stores(index)%count(tile) + spare)
-            if (parts%work) call add_particle_work(simulation, field, scratch, index, tile, view, &
-               other)
-            if (parts%motion) call gather_increments(simulation, field, scratch, index, tile, &
-               view, other)
+            if (parts%work) call add_particle_work(simulation, field, scratch, index, &
+               tile, view, other)
+            if (parts%motion) call gather_increments(simulation, field, scratch, index, &
+               tile, view, other)
             fastest = 0.0_wp
             steepest = scratch%steepest
             if (parts%strain) call strain_particles(simulation, field, scratch, index, tile, &

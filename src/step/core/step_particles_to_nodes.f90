@@ -22,9 +22,7 @@ module step_particles_to_nodes
    private
 
    public :: find_loads, locate_particles, locate_particles_plainly, may_be_lean, nodes_seen, &
-      particles_to_nodes, &
-      tensor_rows, &
-      vector_rows
+      particles_to_nodes, tensor_rows, vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 

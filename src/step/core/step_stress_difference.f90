@@ -116,8 +116,8 @@ contains
             end do
             call method%basis%scatter_values(grid, shape, rest, shape%values, dual_columns, patch)
             call pushed%make_unit(store%count(tile))
-            call method%quadrature%scatter_force(grid, shape, 1, pushed%volume, pushed%stress, &
-               patch)
+            call method%quadrature%scatter_force(grid, shape, 1, pushed%volume, &
+               pushed%stress, patch)
          end associate
       end do
    end subroutine scatter_tile

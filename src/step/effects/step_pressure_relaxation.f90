@@ -80,8 +80,8 @@ contains
 
    !> The particles of one cell.
    ! gate: long kernel because a material has four fields here
-   pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, energy, &
-      stress)
+   pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, &
+      energy, stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
       integer, intent(in) :: low                     !! First particle of the cell, in the tile
       integer, intent(in) :: high                    !! Last index

@@ -265,8 +265,8 @@ contains
                call basis%gather_values(grid, shape, push, shape%vector)
                if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, shape%vector)
                if (method%transfer%affine() .and. .not. method%averages()) then
-                  call scatter_affine_fields(grid, method, scratch, store, tile, after, gradient, &
-                     patch)
+                  call scatter_affine_fields(grid, method, scratch, store, tile, after, &
+                     gradient, patch)
                else
                   call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
                      shape%vector, 0, patch)

@@ -418,8 +418,8 @@ contains
       integer, intent(in), optional :: only          !! Wall that acts; default: all
 
       associate (coordinate => space%tiles%coordinate(:, tile))
-         call space%boundary%constrain(space%grid, coordinate, moved, open, at_end=.true., &
-            only=only)
+         call space%boundary%constrain(space%grid, coordinate, moved, open, &
+            at_end=.true., only=only)
          if (space%boundary%has_friction()) call space%boundary%hold_pressed(space%grid, &
             coordinate, velocity, open, only)
       end associate

@@ -212,8 +212,7 @@ contains
          associate (store => stores(index))
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  value = measure_of(store, p, materials(index)%density, measure, &
-                     least_energy)
+                  value = measure_of(store, p, materials(index)%density, measure, least_energy)
                   if (value < greatest) cycle
                   if (value > greatest) identity = huge(identity)
                   greatest = value
@@ -343,8 +342,8 @@ contains
                      is_loose(material), patch)
                   total = total + patch
                   all = 0.0_wp
-                  call measure_noise(grid, coordinate, alone, store, tile, may_lock(material), &
-                     patch, all)
+                  call measure_noise(grid, coordinate, alone, store, tile, &
+                     may_lock(material), patch, all)
                   found(noise:sums, tile) = found(noise:sums, tile) + all
                   if (is_solid(material)) call examine_lengths(space%grid, trust, table, store, &
                      tile, found(:, tile), who(tile))
