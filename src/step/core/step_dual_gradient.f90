@@ -230,9 +230,9 @@ contains
       if (are_nodes_slow(3*space%grid%tile_nodes, nodes%motion%acceleration(:, :, slot), &
          small*space%grid%spacing/(sqrt(3.0_wp)*dt**2))) return
       if (nodes%motion%lean) call find_volumes(space, nodes%dual, tile, slot)
-      call limit_node_gains(space%grid, space%tiles%coordinate(:, tile), nodes%dual%volume(1, :, &
-         slot), dt, nodes%motion%velocity(:, :, slot), nodes%motion%acceleration(:, :, slot), &
-         nodes%motion%strain(:, :, slot))
+      call limit_node_gains(space%grid, space%tiles%coordinate(:, tile), &
+         nodes%dual%volume(1, :, slot), dt, nodes%motion%velocity(:, :, slot), &
+         nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
    end subroutine limit_tile_gains
 
    !> Contribution of the cells of a tile to the node gradient of a velocity.

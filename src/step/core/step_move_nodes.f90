@@ -193,8 +193,8 @@ contains
       real(wp) :: centre(3, space%grid%tile_nodes)
 
       centre = nodes%motion%velocity(:, :, tile) + 0.5_wp*dt*nodes%motion%acceleration(:, :, tile)
-      call record_push(space, nodes%motion, scratch%ledger, tile, nodes%work%velocity_change(:, :, &
-         tile), centre)
+      call record_push(space, nodes%motion, scratch%ledger, tile, &
+         nodes%work%velocity_change(:, :, tile), centre)
    end subroutine record_tile
 
    !> Allocate the fields that move and strain the particles. The node stress is no longer needed,
@@ -299,11 +299,11 @@ contains
       call limit_tile_gains(space, scheme%method, nodes, tile, slot, dt)
       if (scheme%method%averages()) then
          ! the strain velocity at the end of the step is mapped later
-         call store_gradient(space, scheme%dual, nodes%dual, tile, nodes%motion%velocity(:, :, &
-            slot), nodes%dual%gradient_before)
+         call store_gradient(space, scheme%dual, nodes%dual, tile, &
+            nodes%motion%velocity(:, :, slot), nodes%dual%gradient_before)
       else
-         call store_gradient(space, scheme%dual, nodes%dual, tile, nodes%motion%strain(:, :, &
-            slot), nodes%dual%gradient)
+         call store_gradient(space, scheme%dual, nodes%dual, tile, &
+            nodes%motion%strain(:, :, slot), nodes%dual%gradient)
       end if
       if (.not. scheme%works) return
       call combine(1.0_wp, nodes%motion%velocity(:, :, slot), 0.5_wp*dt, &
@@ -342,8 +342,8 @@ contains
             - share*nodes%work%velocity_removed(:, :, tile)
          work = 0.5_wp*sum(gain*(nodes%work%velocity_removed(:, :, tile) + mapped &
             - nodes%motion%strain(:, :, tile)), dim=1)
-         call record_push(space, nodes%motion, scratch%ledger, tile, nodes%work%velocity_change(:, &
-            :, tile), centre, work)
+         call record_push(space, nodes%motion, scratch%ledger, tile, &
+            nodes%work%velocity_change(:, :, tile), centre, work)
          if (measures_damping(scheme%method, scheme%carries_energy)) &
             call record_stopped(space%grid, scheme%method, nodes%motion, scratch%ledger, tile, &
             -nodes%work%velocity_removed(:, :, tile), 0.5_wp*(nodes%motion%velocity(:, :, tile) &
@@ -436,8 +436,8 @@ contains
       !$omp schedule(static)
       do tile = 1, space%tiles%all
          call start_cost(machine, tile)
-         call store_gradient(space, scheme%dual, nodes%dual, tile, nodes%motion%strain(:, :, &
-            tile), nodes%dual%gradient)
+         call store_gradient(space, scheme%dual, nodes%dual, tile, &
+            nodes%motion%strain(:, :, tile), nodes%dual%gradient)
          call stop_cost(machine, tile)
       end do
       !$omp end parallel do

@@ -8,17 +8,45 @@ module step_remove_particles
    use base_kinds, only: wp
    use material_type, only: material_t
    use particle_store, only: moved_away, moved_off, moved_out, store_t
-   use step_bounds, only: bounds_t, fault_inverted, fault_none, find_fault, guard_t
+   use step_bounds, only: bounds_t, count_bad, fault_inverted, fault_none, find_fault, guard_t
    use step_ledger, only: ledger_t, mass, removed_angular, removed_energy, removed_mass, &
       removed_momentum, removed_particles, retired_mass
    use step_offending_particle, only: step_text, tile_bounds
-   use step_simulation, only: clock_t, scratch_t
+   use step_simulation, only: clock_t, scheme_t, scratch_t
    implicit none
    private
 
-   public :: check_retired, erode_tile, fastest_left, retire_tile
+   public :: check_retired, erode_tile, fastest_left, judge_particles, retire_tile
 
 contains
+
+   !> Find particles that are out of bounds or have failed, and remove them if the deck says so. The
+   !! remaining particles limit the next step.
+   subroutine judge_particles(material, store, scheme, guard, scratch, tile, fastest, steepest)
+      type(material_t), intent(in) :: material
+      type(store_t), intent(inout) :: store
+      type(scheme_t), intent(in) :: scheme
+      type(guard_t), intent(in) :: guard
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
+      integer, intent(in) :: tile
+      real(wp), intent(inout) :: fastest             !! Fastest signal and motion of tile [m/s]
+      real(wp), intent(in) :: steepest               !! Square of |grad v|, tile excluded [1/s2]
+      logical :: sound
+
+      sound = count_bad(store, tile, material%density, tile_bounds(material, guard)) < 0.5_wp
+      if (.not. sound .and. guard%bounds%retire) then
+         call retire_tile(material, store, guard, scratch, tile, sound)
+         scratch%retired = .true.
+      end if
+      scratch%sound = scratch%sound .and. sound
+      if (scheme%erosion .and. allocated(store%state%failed)) call erode_tile(material, store, &
+         scratch, tile)
+      if (.not. (scheme%erosion .or. guard%bounds%retire)) return
+      if (.not. any(store%home(store%first(tile):store%first(tile) + store%count(tile) - 1) == &
+         moved_off)) return
+      if (fastest > 0.0_wp) fastest = fastest_left(store, tile, scratch%deformation%wave_speed)
+      scratch%steepest = steepest
+   end subroutine judge_particles
 
    !> Remove the particles of a tile that have left their bounds. Particles with NaN are not removed
    !! and end the run, because the NaN has already reached their neighbours.

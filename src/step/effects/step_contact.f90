@@ -96,8 +96,8 @@ contains
 
       do field = 1, size(fields)
          fields(field)%nodes%work%contact_heat(:, :, tile) = 0.0_wp
-         if (dissipation_after_remap(scheme)) fields(field)%nodes%work%contact_impulse(:, :, &
-            tile) = 0.0_wp
+         if (dissipation_after_remap(scheme)) &
+            fields(field)%nodes%work%contact_impulse(:, :, tile) = 0.0_wp
       end do
       if (contact%bonded) contact%broken(:, :, tile) = .false.
       if (.not. contact%meets(tile)) return

@@ -200,8 +200,8 @@ contains
       end if
       if (allocated(brought)) call record_stopped(space%grid, scheme%method, nodes%motion, &
          scratch%ledger, tile, velocity - brought, velocity + dt*acceleration)
-      if (keeps) nodes%work%velocity_removed(:, :, tile) = nodes%work%velocity_removed(:, :, &
-         tile) - velocity
+      if (keeps) nodes%work%velocity_removed(:, :, tile) = nodes%work%velocity_removed(:, :, tile) &
+         - velocity
       if (tile > space%tiles%own .or. .not. dt > 0.0_wp) return
       if (allocated(drag)) push = push + drag
       if (allocated(effects%gravity)) then
