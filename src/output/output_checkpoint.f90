@@ -105,7 +105,7 @@ contains
       if (allocated(error)) return
       if (any(number /= space_of(simulation))) then
          call fail(error, exit_file, "'"//path// &
-            "' belongs to another deck: its dimension in &run differs")
+            "' belongs to another deck: its dimension in &run differs [F110]")
          return
       end if
       call simulation%balance%ledger%load(simulation%machine%communicator, state, error)

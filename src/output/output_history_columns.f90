@@ -123,7 +123,7 @@ contains
          fault = find_fault(fields(n), k, with_exact, grid, with_gravity)
          if (fault == "" .and. .not. (columns%rule%takes_all() .or. of_particles(k))) &
             fault = "is known for all material only, not for bodies or a region; there are: "// &
-            join_names(list)
+            join_names(list)//" [D369]"
          if (fault /= "") then
             call fail(error, exit_input, "output field '"//trim(fields(n))//"' "//fault)
             return
@@ -206,13 +206,13 @@ contains
          return
       end if
       if (number > all_ledger .and. number <= all_ledger + all_errors .and. .not. with_exact) &
-         text = "needs &exact, a solution to compare with"
+         text = "needs &exact, a solution to compare with [D366]"
       n = number - all_ledger - all_errors
       if (n < 1) return
-      if (n == potential .and. .not. with_gravity) text = "needs &effects gravity = .true."
+      if (n == potential .and. .not. with_gravity) text = "needs &effects gravity = .true. [D306]"
       lacks = n == height .and. .not. grid%active(3)
       if (n >= front .and. n < stretch) lacks = .not. grid%active(mod(n - front, 3) + 1)
-      if (lacks) text = "is along a direction that the scene does not have; remove it"
+      if (lacks) text = "is along a direction that the scene does not have; remove it [D435]"
    end function find_fault
 
    !> Names of the columns with units.

@@ -69,11 +69,11 @@ contains
 
       if (dt < limits%dt_min) then
          write (text, "(a,es10.3,a,es10.3,a)") "the stable time step", dt, &
-            " s is below dt_min =", limits%dt_min, " s"
+            " s is below dt_min =", limits%dt_min, " s [R101]"
       else
          write (text, "(a,es10.3,a,es10.3,a,es10.3,a)") "the stable time step", dt, &
             " s has fallen below dt_collapse =", simulation%clock%guard%bounds%collapse, &
-            " of the longest,", simulation%clock%guard%longest, " s"
+            " of the longest,", simulation%clock%guard%longest, " s [R102]"
       end if
       call name_limiting(simulation, particle)
       if (.not. is_step_allowed(simulation)) particle = &

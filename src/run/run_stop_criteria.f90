@@ -49,7 +49,7 @@ contains
          simulation%machine%communicator%any(count_particles(simulation%stores) > 0))
       request = nint(simulation%machine%requests%leave)
       code = exit_file
-      reason = "another run took over the files of this case, so this run ended"
+      reason = "another run took over the files of this case, so this run ended [F125]"
       if (request >= lost_request) return
       code = exit_success
       reason = "t_end reached"
@@ -57,12 +57,12 @@ contains
       reason = "max_steps reached"
       if (simulation%clock%step >= limits%max_steps) return
       code = exit_again
-      reason = "wall_limit reached"
+      reason = "wall_limit reached [R120]"
       if (request >= wall_limit_request) return
-      reason = "signal "//signal_name(request)
+      reason = "signal "//signal_name(request)//" [R121]"
       if (request > 0) return
       code = exit_success
-      reason = none_left
+      reason = none_left//" [R119]"
       if (.not. simulation%machine%requests%present > 0.0_wp) return
       reason = "kinetic energy below stop_value"
       if (max(limits%kinetic_below, limits%rest_below) >= 0.0_wp .and. &

@@ -91,7 +91,7 @@ contains
          if (simulation%space%grid%active(k)) cycle
          if (.not. any(abs(simulation%effects%shaking%speed(k, :)) > 0.0_wp)) cycle
          call deck%add_error(group, "gravity_table: the table must be 0 in "//axis_names(k)// &
-            ", as the scene does not have this direction", "gravity_table")
+            ", as the scene does not have this direction [D361]", "gravity_table")
       end do
       call update_gravity(simulation%effects, simulation%clock)
    end subroutine read_gravity

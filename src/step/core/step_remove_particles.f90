@@ -139,7 +139,7 @@ contains
          if (share <= bounds%retire_max) return
          write (text, "(a,es10.3,a,es10.3)") "particles that exceeded their bounds had", share, &
             " of the mass, more than retire_max =", bounds%retire_max
-         call fail(error, exit_physics, step_text(clock)//": "//trim(text))
+         call fail(error, exit_physics, step_text(clock)//": "//trim(text)//" [R109]")
       end associate
    end subroutine check_retired
 end module step_remove_particles

@@ -156,9 +156,9 @@ contains
          text = trim(line)
          if (worst%strain > 0.0_wp) then
             write (line, "(a,es10.3,a)") " and the next one would approach or separate by", &
-               worst%strain, " of a cell"
+               worst%strain, " of a cell [R103]"
          else
-            write (line, "(a,es10.3,a)") " would move by", worst%moved, " of a cell"
+            write (line, "(a,es10.3,a)") " would move by", worst%moved, " of a cell [R103]"
          end if
          text = text//trim(line)
       end if

@@ -59,7 +59,7 @@ contains
             value)//reason_text(simulation%materials, simulation%stores, found, fault)
       end if
       call broadcast_text(simulation%machine%communicator, text)
-      if (len(text) == 0) text = "a wave speed is not a finite number"
+      if (len(text) == 0) text = "a wave speed is not a finite number [R104]"
       text = step_text(simulation%clock)//": "//text//fixed_step_text(simulation%scheme%method, &
          simulation%clock)//new_line("a")// replay_text(simulation%clock)
    end subroutine name_offending_particle
@@ -91,7 +91,7 @@ contains
       write (before, "(i0)") clock%step - 1
       text = "this state is written to snapshots but not to a checkpoint; to get the state "// &
          "before this step run again with -s time.max_steps="//trim(before)// &
-         ", and with --restart if there is a checkpoint"
+         ", and with --restart if there is a checkpoint [R110]"
    end function replay_text
 
    !> Text on the particle that limits the time step. Collective.
@@ -288,23 +288,23 @@ contains
       associate (bounds => guard%bounds)
          select case (fault)
          case (fault_velocity)
-            line = "its velocity is not a finite number"
+            line = "its velocity is not a finite number [R104]"
          case (fault_stress)
-            line = "its stress is not a finite number"
+            line = "its stress is not a finite number [R104]"
          case (fault_inverted)
             write (line, "(a,es10.3)") &
-               "it is inverted: the determinant of its deformation is ", value
+               "it is inverted: the determinant of its deformation is ", value, " [R105]"
          case (fault_small)
             write (line, "(a,es10.3,a,es10.3)") "its volume over the reference volume,", value, &
-               ", is below volume_ratio_min =", bounds%ratio_min
+               ", is below volume_ratio_min =", bounds%ratio_min, " [R106]"
          case (fault_large)
             write (line, "(a,es10.3,a,es10.3)") "its volume over the reference volume,", value, &
-               ", is above volume_ratio_max =", bounds%ratio_max
+               ", is above volume_ratio_max =", bounds%ratio_max, " [R107]"
          case (fault_fast)
             write (line, "(a,es10.3,a,es10.3,a)") "its speed", value, &
-               " m/s is above speed_max =", bounds%speed_max, " m/s"
+               " m/s is above speed_max =", bounds%speed_max, " m/s [R108]"
          case default
-            line = "its volume is not a finite number"
+            line = "its volume is not a finite number [R104]"
          end select
       end associate
       text = trim(line)

@@ -389,7 +389,7 @@ contains
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
                "try a smaller "//trim(merge("dt_fixed", "cfl     ", &
                simulation%clock%guard%bounds%dt_fixed > 0.0_wp))// &
-               " or more particles per cell (ppc)")
+               " or more particles per cell (ppc) [R112]")
          end if
          if (.not. is_warning_due(trust, trust_heat)) return
          if (trust%greatest(trust_heat) > 0.0_wp) then
@@ -398,7 +398,7 @@ contains
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine%communicator, measure_heat, &
                trust%least_energy), trim(text)//"; check its equation of state, or remove "// &
-               "such particles with &time on_bad = 'retire'")
+               "such particles with &time on_bad = 'retire' [R113]")
          else
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy ", sample%cold, &
                " J/kg is below the least initial energy by", -trust%greatest(trust_heat), &
@@ -406,7 +406,7 @@ contains
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine%communicator, measure_cold, &
                trust%least_energy), trim(text)//"; check its equation of state in expansion, "// &
-               "or give the material a spall strength")
+               "or give the material a spall strength [R113]")
          end if
       end associate
    end subroutine warn_of_bounds
@@ -425,7 +425,7 @@ contains
                " % of the mass neighbours are more than ", apart, " cells apart"
             call warn_of_particle(simulation, log, sample%longest_identity, trim(text)//": "// &
                "they no longer interact; use more particles per cell (ppc), or &method split "// &
-               "= .true.")
+               "= .true. [R114]")
          end if
          if (verdict_of(trust_volume, trust%worst(trust_volume)) /= trust_bad) return
          if (.not. is_warning_due(trust, trust_volume)) return
