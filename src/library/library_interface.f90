@@ -114,7 +114,7 @@ contains
          state%finished = merge(1_c_int, 0_c_int, session%loop%finished)
          state%began_messages = merge(1_c_int, 0_c_int, session%began_messages)
          if (.not. allocated(simulation%stores)) return
-         state%particles = int(count_particles(simulation), c_int64_t)
+         state%particles = int(count_particles(simulation%stores), c_int64_t)
          state%stores = size(simulation%stores, kind=c_int)
       end associate
    end function scree_state

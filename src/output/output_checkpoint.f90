@@ -50,7 +50,7 @@ contains
          call simulation%machine%timer%stop(simulation%machine%phase%checkpoint)
          return
       end if
-      call save_errors(simulation, state)
+      call save_errors(simulation%effects, state)
       call save_trust(simulation%balance%trust, state)
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%clock%dt, simulation%clock%guard%longest])
@@ -126,7 +126,7 @@ contains
       if (.not. allocated(error)) call keep_marks(simulation, state, error)
       if (allocated(error)) return
       call outputs%load(state, is_own_checkpoint(place%folder, place%case, path))
-      call load_errors(simulation, state)
+      call load_errors(simulation%effects, state)
       call load_trust(simulation%balance%trust, state)
       call distribute_particles(simulation)
       call mark_new_loads(simulation, state, error)
@@ -146,7 +146,7 @@ contains
       if (allocated(error)) return
       simulation%clock%dt = length(1)
       simulation%clock%guard%longest = length(size(length))
-      call update_gravity(simulation)
+      call update_gravity(simulation%effects, simulation%clock)
    end subroutine continue_time
 
    !> Continue inflows from their displacements, which checkpoints of older versions lack.

@@ -258,7 +258,8 @@ contains
             more(potential) = potential_energy(simulation, columns%rule)
          if (columns%further(runout)) more(runout) = reach(simulation, columns%rule)
          if (any(columns%further(stretch:))) then
-            call examine_shapes(simulation, sample)
+            call examine_shapes(simulation%space, simulation%materials, simulation%stores, &
+               simulation%balance%trust, simulation%machine%communicator, sample)
             more(stretch:) = [sample%longest, sample%share, sample%overlap, sample%difference]
          end if
          if (any(columns%further(height:tail + 2))) call find_ends(simulation, columns%rule, &

@@ -63,8 +63,8 @@ contains
       call simulation%balance%ledger%balance(simulation%machine%communicator, &
          simulation%space%grid, simulation%stores, simulation%materials, now)
       digest = digest_of(simulation)
-      counts = [count_particles(simulation), simulation%clock%updates, simulation%clock%halved, &
-         nint(simulation%machine%worked/nano, int64)]
+      counts = [count_particles(simulation%stores), simulation%clock%updates, &
+         simulation%clock%halved, nint(simulation%machine%worked/nano, int64)]
       call simulation%machine%communicator%total(counts)
       call spread_timers(simulation, wall, least, mean, greatest)
       rate = step_rate(simulation, counts(2), greatest)

@@ -76,8 +76,8 @@ contains
             " of the longest,", simulation%clock%guard%longest, " s [R102]"
       end if
       call name_limiting(simulation, particle)
-      if (.not. is_step_allowed(simulation)) &
-         particle = particle//new_line("a")//replay_text(simulation)
+      if (.not. is_step_allowed(simulation)) particle = &
+         particle//new_line("a")//replay_text(simulation%clock)
       call fail(error, exit_physics, trim(text)//new_line("a")//particle)
    end subroutine refuse_step
 end module run_next_step

@@ -35,7 +35,7 @@ contains
       call simulation%balance%ledger%balance(simulation%machine%communicator, &
          simulation%space%grid, simulation%stores, &
          simulation%materials, balance)
-      counts = [count_particles(simulation), simulation%clock%updates]
+      counts = [count_particles(simulation%stores), simulation%clock%updates]
       call simulation%machine%communicator%total(counts)
       progress%wall = wall - clock%begin
       progress%time = simulation%clock%time

@@ -45,7 +45,8 @@ contains
       finished = .true.
       ! no step has counted the particles yet
       if (simulation%machine%requests%present < 0.0_wp) simulation%machine%requests%present = &
-         merge(1.0_wp, 0.0_wp, simulation%machine%communicator%any(count_particles(simulation) > 0))
+         merge(1.0_wp, 0.0_wp, &
+         simulation%machine%communicator%any(count_particles(simulation%stores) > 0))
       request = nint(simulation%machine%requests%leave)
       code = exit_file
       reason = "another run took over the files of this case, so this run ended [F125]"
@@ -75,7 +76,7 @@ contains
       end if
       reason = "unbalanced force below stop_value"
       if (limits%unbalanced_below > 0.0_wp) then
-         call watch_unbalanced(simulation)
+         call watch_unbalanced(simulation%scratch)
          if (mod(simulation%clock%step, kinetic_interval) == 0 .and. &
             simulation%clock%step > self%began) then
             call find_unbalanced(simulation, ratio)

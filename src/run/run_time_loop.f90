@@ -111,7 +111,8 @@ contains
       advanced = .not. allocated(error)
       if (allocated(error)) return
       call set_requests(simulation, limits, self%clock, self%lost)
-      call watch_costs(simulation, limits%balancing)
+      call watch_costs(simulation%space%tiles, simulation%clock, simulation%machine, &
+         limits%balancing)
       call adjust_threads(simulation)
       call advance_timed(simulation, dt, self%clock, error)
       if (simulation%machine%requests%line > 0.0_wp) &
@@ -230,8 +231,8 @@ contains
 
       now = wall_seconds()
       associate (requests => simulation%machine%requests)
-         requests = requests_t(leave=real(caught_signal(), wp), &
-            present=merge(1.0_wp, 0.0_wp, count_particles(simulation) > 0))
+         requests = requests_t(leave=real(caught_signal(), wp), present=merge(1.0_wp, 0.0_wp, &
+            count_particles(simulation%stores) > 0))
          if (clock%is_wall_limit_near(simulation%clock%step)) &
             requests%leave = real(wall_limit_request, wp)
          if (lost) requests%leave = real(lost_request, wp)

@@ -183,7 +183,8 @@ contains
       end if
       if (allocated(error)) return
       call report_loads(run%simulation, run%log)
-      call number_lattices(run%simulation, run%bodies)
+      call number_lattices(run%simulation%space%grid, run%simulation%effects, &
+         run%simulation%balance%trust, run%bodies)
       call free_shapes(run)
       call run%outputs%open(run%simulation, run%options%restart, run%losses, error)
       if (allocated(error)) return

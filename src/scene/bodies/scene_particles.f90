@@ -25,7 +25,7 @@ module scene_particles
    use scene_contact, only: bond_stores, store_name
    use step_normalised_sums, only: choose_normalised
    use step_simulation, only: simulation_effects_t, simulation_t
-   use step_sort_particles, only: count_particles, sort_particles
+   use step_sort_particles, only: sort_particles
    use step_time_step, only: find_stable_step, greatest_diffusivity
    implicit none
    private
@@ -69,7 +69,7 @@ contains
             .not. allocated(simulation%effects%conduction)) allocate (simulation%effects%conduction)
       end do
       simulation%scheme%repacks = any(simulation%materials%repacks)
-      call choose_normalised(simulation)
+      call choose_normalised(simulation%space%grid, simulation%materials, simulation%scheme)
       call name_phases(simulation)
    end subroutine prepare_simulation
 
@@ -483,7 +483,8 @@ contains
       fastest = simulation%machine%communicator%maximum(fastest)
       diffusivity = 0.0_wp
       if (allocated(simulation%effects%conduction)) diffusivity = &
-         simulation%machine%communicator%maximum(greatest_diffusivity(simulation))
+         simulation%machine%communicator%maximum(greatest_diffusivity(simulation%materials, &
+         simulation%stores))
       call find_stable_step(simulation%space, simulation%scheme%method%cfl, fastest, diffusivity, &
          simulation%clock%dt_next, simulation%clock%guard%rule)
       if (allocated(simulation%space%cell)) call start_cell(simulation, &

@@ -93,7 +93,7 @@ contains
          call deck%add_error(group, "gravity_table: the table must be 0 in "//axis_names(k)// &
             ", as the scene does not have this direction [D361]", "gravity_table")
       end do
-      call update_gravity(simulation)
+      call update_gravity(simulation%effects, simulation%clock)
    end subroutine read_gravity
 
    !> The effects that are on, then the models of each material, all with their reasons. Their costs

@@ -45,7 +45,7 @@ contains
       call mark_particles(simulation)
       call first_step(simulation)
       call continue_clock(simulation, bodies, shapes)
-      call update_gravity(simulation)
+      call update_gravity(simulation%effects, simulation%clock)
       call simulation%balance%ledger%balance(simulation%machine%communicator, &
          simulation%space%grid, &
          simulation%stores, simulation%materials, simulation%balance%ledger%start)

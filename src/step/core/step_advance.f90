@@ -3,6 +3,7 @@
 module step_advance
    use base_error, only: error_t
    use base_kinds, only: wp
+   use material_type, only: material_t
    use mesh_surface_load, only: set_loads
    use particle_closed_loads, only: balance_loads
    use particle_moving_cell, only: measure_cell, shift_particles
@@ -46,39 +47,46 @@ contains
 
       dt = dt_preferred
       began = simulation%clock%time
-      if (allocated(simulation%effects%exact)) simulation%effects%exact%force_time = &
-         simulation%clock%time
-      if (allocated(simulation%effects%loads)) call set_loads(simulation%effects%loads, &
-         simulation%clock%time - simulation%scheme%method%lag(simulation%clock%dt), &
-         simulation%scheme%method%kick(simulation%clock%dt, dt))
-      if (simulation%scheme%method%smooth_turn) call smooth_tile_rotation(simulation)
-      if (allocated(simulation%effects%contact)) call find_sides(simulation)
-      if (simulation%scheme%method%strains_first()) call strain_before(simulation, dt)
-      if (allocated(simulation%effects%loads)) call balance_loads( &
-         simulation%machine%communicator, simulation%space%grid, &
-         simulation%space%tiles%coordinate, simulation%stores, simulation%effects%loads)
-      do n = 1, size(simulation%fields)
-         call find_forces(simulation, simulation%fields(n))
-      end do
-      call move_all_nodes(simulation, dt, error)
-      if (allocated(error)) return
-      call set_burn_clock(simulation, simulation%clock%time + dt)
-      if (allocated(simulation%space%cell)) call simulation%space%cell%prepare(dt)
-      if (allocated(simulation%effects%conduction)) call conduct_heat(simulation, dt)
-      if (simulation%scheme%method%heat_flux > 0.0_wp) call add_artificial_heat_flux(simulation, dt)
-      do n = 1, size(simulation%fields)
-         call nodes_to_particles(simulation, simulation%fields(n), gather_parts_t( &
-            work=simulation%scheme%works, motion=.true., &
-            strain=simulation%scheme%method%stress /= stress_before), dt)
-      end do
-      call advance_clock(simulation, dt)
-      if (allocated(simulation%space%cell)) call simulation%space%cell%complete( &
-         simulation%clock%time)
-      call finish_step(simulation, error)
-      if (allocated(error)) return
-      if (allocated(simulation%scheme%method%splitting)) call split_particles(simulation)
-      call sort_particles(simulation, began)
-      if (allocated(simulation%space%cell)) call deform_cell(simulation)
+      associate (space => simulation%space, stores => simulation%stores, &
+         fields => simulation%fields, scheme => simulation%scheme, &
+         method => simulation%scheme%method, effects => simulation%effects, &
+         clock => simulation%clock, machine => simulation%machine, scratch => simulation%scratch)
+         if (allocated(effects%exact)) effects%exact%force_time = clock%time
+         if (allocated(effects%loads)) call set_loads(effects%loads, &
+            clock%time - method%lag(clock%dt), method%kick(clock%dt, dt))
+         if (method%smooth_turn) call smooth_tile_rotation(space, stores, effects, machine)
+         if (allocated(effects%contact)) call find_sides(space, stores, fields, method, &
+            machine, scratch)
+         if (method%strains_first()) call strain_before(simulation, dt)
+         if (allocated(effects%loads)) call balance_loads(machine%communicator, space%grid, &
+            space%tiles%coordinate, stores, effects%loads)
+         do n = 1, size(fields)
+            call find_forces(simulation, fields(n))
+         end do
+         call move_all_nodes(simulation, dt, error)
+         if (allocated(error)) return
+         call set_burn_clock(simulation%materials, clock%time + dt)
+         if (allocated(space%cell)) call space%cell%prepare(dt)
+         if (allocated(effects%conduction)) call conduct_heat(space, simulation%materials, stores, &
+            scheme, effects%conduction, machine, scratch, dt)
+         if (method%heat_flux > 0.0_wp) call add_artificial_heat_flux(simulation, dt)
+         do n = 1, size(fields)
+            call nodes_to_particles(simulation, fields(n), gather_parts_t(work=scheme%works, &
+               motion=.true., strain=method%stress /= stress_before), dt)
+         end do
+         ! time, gravity and counters at the end of the step
+         clock%updates = clock%updates + count_particles(stores)
+         clock%time = clock%time + dt
+         clock%step = clock%step + 1
+         clock%dt = dt
+         call update_gravity(effects, clock)
+         if (allocated(space%cell)) call space%cell%complete(clock%time)
+         call finish_step(simulation, error)
+         if (allocated(error)) return
+         if (allocated(method%splitting)) call split_particles(simulation)
+         call sort_particles(simulation, began)
+         if (allocated(space%cell)) call deform_cell(simulation)
+      end associate
    end subroutine advance
 
    !> The end of a step of a cell that deforms: particles are wrapped to the mesh of the equivalent
@@ -87,24 +95,23 @@ contains
       type(simulation_t), intent(inout) :: simulation
       real(wp) :: work
 
-      associate (cell => simulation%space%cell)
+      associate (cell => simulation%space%cell, clock => simulation%clock, &
+         ledger => simulation%balance%ledger, communicator => simulation%machine%communicator)
          if (any(abs(cell%steps) > 0.0_wp)) then
             call shift_particles(simulation%space%grid, simulation%space%boundary, &
                simulation%space%tiles, cell, simulation%stores)
             call sort_particles(simulation)
          end if
-         call measure_cell(simulation%machine%communicator, simulation%stores, cell)
-         work = cell%step_work(cell%box%gradient, simulation%clock%kick)
+         call measure_cell(communicator, simulation%stores, cell)
+         work = cell%step_work(cell%box%gradient, clock%kick)
          cell%work = cell%work + work
-         if (simulation%machine%communicator%rank == 0) &
-            call simulation%balance%ledger%sums(external_work)%add(work)
+         if (communicator%rank == 0) call ledger%sums(external_work)%add(work)
          ! the momentum error is relative to the momentum of the uniform flow at the distance of one
          ! edge
-         simulation%balance%ledger%momentum_scale = max(simulation%balance%ledger%momentum_scale, &
+         ledger%momentum_scale = max(ledger%momentum_scale, &
             cell%mass*norm2(cell%box%gradient)*maxval(cell%mesh))
-         call cell%steer(simulation%clock%dt_next)
-         simulation%clock%dt_next = min(simulation%clock%dt_next, &
-            cell%longest_step(simulation%clock%guard%bounds%strain_max))
+         call cell%steer(clock%dt_next)
+         clock%dt_next = min(clock%dt_next, cell%longest_step(clock%guard%bounds%strain_max))
       end associate
    end subroutine deform_cell
 
@@ -116,27 +123,28 @@ contains
       real(wp) :: moved
       integer :: n
 
-      ! time for which positions have moved already with the velocity before the step
-      moved = merge(simulation%clock%dt, dt, simulation%scheme%method%leapfrog)
-      if (.not. moved > 0.0_wp) return
-      call set_burn_clock(simulation, simulation%clock%time + merge(0.0_wp, dt, &
-         simulation%scheme%method%leapfrog))
+      associate (clock => simulation%clock, method => simulation%scheme%method)
+         ! time for which positions have moved already with the velocity before the step
+         moved = merge(clock%dt, dt, method%leapfrog)
+         if (.not. moved > 0.0_wp) return
+         call set_burn_clock(simulation%materials, clock%time + merge(0.0_wp, dt, method%leapfrog))
+      end associate
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))
-         call move_nodes(simulation, simulation%fields(n), 0.0_wp)
+         call move_nodes(simulation, simulation%fields(n)%nodes, 0.0_wp)
          call nodes_to_particles(simulation, simulation%fields(n), gather_parts_t(strain=.true.), &
             moved)
       end do
    end subroutine strain_before
 
    !> Set the time of explosives to that of the next stress update.
-   subroutine set_burn_clock(simulation, time)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine set_burn_clock(materials, time)
+      type(material_t), intent(inout) :: materials(:)
       real(wp), intent(in) :: time                   !! [s]
       integer :: n
 
-      do n = 1, size(simulation%materials)
-         if (allocated(simulation%materials(n)%burn)) simulation%materials(n)%burn%time = time
+      do n = 1, size(materials)
+         if (allocated(materials(n)%burn)) materials(n)%burn%time = time
       end do
    end subroutine set_burn_clock
 
@@ -145,11 +153,20 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
 
-      if (simulation%scheme%method%controlled()) call find_mean_stress(simulation, field)
-      if (allocated(simulation%scheme%normalises)) call find_edge_factors(simulation, field)
-      call particles_to_nodes(simulation, field)
-      if (simulation%scheme%method%dual) call apply_dual_gradient(simulation, field)
-      if (simulation%scheme%method%differing()) call find_stress_difference(simulation, field)
+      associate (space => simulation%space, stores => simulation%stores, &
+         scheme => simulation%scheme, method => simulation%scheme%method, &
+         machine => simulation%machine, scratch => simulation%scratch)
+         if (method%controlled()) call find_mean_stress(space, stores, scheme, machine, &
+            scratch, field)
+         if (allocated(scheme%normalises)) call find_edge_factors(space, stores, scheme, &
+            simulation%clock, simulation%balance%ledger, machine, scratch, field)
+         call particles_to_nodes(space, stores, simulation%fields, scheme, simulation%effects, &
+            machine, scratch, field)
+         if (method%dual) call apply_dual_gradient(space, simulation%fields, scheme, machine, &
+            scratch, field)
+         if (method%differing()) call find_stress_difference(space, stores, scheme, machine, &
+            scratch, field)
+      end associate
    end subroutine find_forces
 
    !> Move the nodes, and find the velocities that strain and move the particles. A step in which
@@ -161,26 +178,29 @@ contains
       logical :: again
       integer :: n
 
-      do
-         simulation%clock%kick = simulation%scheme%method%kick(simulation%clock%dt, dt)
-         call average_gravity(simulation%scheme, simulation%effects, simulation%clock)
-         if (allocated(simulation%effects%contact)) then
-            call move_in_contact(simulation, simulation%clock%kick)
-         else
-            call move_nodes(simulation, simulation%fields(1), simulation%clock%kick, dt)
-         end if
-         do n = 1, size(simulation%fields)
-            call remap_velocities(simulation, simulation%fields(n), simulation%clock%kick)
+      associate (space => simulation%space, fields => simulation%fields, &
+         scheme => simulation%scheme, effects => simulation%effects, clock => simulation%clock, &
+         machine => simulation%machine)
+         do
+            clock%kick = scheme%method%kick(clock%dt, dt)
+            call average_gravity(scheme%method, effects, clock)
+            if (allocated(effects%contact)) then
+               call move_in_contact(simulation, clock%kick)
+            else
+               call move_nodes(simulation, fields(1)%nodes, clock%kick, dt)
+            end if
+            do n = 1, size(fields)
+               call remap_velocities(simulation, fields(n), clock%kick)
+            end do
+            if (allocated(effects%contact) .and. dissipation_after_remap(scheme)) &
+               call find_later_heat(space, fields, effects%contact, machine)
+            call check_node_displacement(simulation, dt, again, error)
+            if (allocated(error)) return
+            if (.not. again) exit
          end do
-         if (allocated(simulation%effects%contact) .and. &
-            dissipation_after_remap(simulation%scheme)) &
-            call find_later_heat(simulation)
-         call check_node_displacement(simulation, dt, again, error)
-         if (allocated(error)) return
-         if (.not. again) exit
-      end do
-      if (allocated(simulation%effects%exact)) &
-         call record_body_force(simulation, simulation%fields(1), simulation%clock%kick)
+         if (allocated(effects%exact)) call record_body_force(space, simulation%stores, scheme, &
+            effects, machine, simulation%scratch, fields(1), clock%kick)
+      end associate
    end subroutine move_all_nodes
 
    !> Move the nodes of all velocity fields, with contact forces between their bodies.
@@ -189,15 +209,21 @@ contains
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       integer :: n
 
-      do n = 1, size(simulation%fields)
-         call start_node_motion(simulation, simulation%fields(n), dt)
-      end do
-      call find_contact_surfaces(simulation)
-      call apply_contact(simulation, dt)
-      if (simulation%effects%contact%bonded) call break_bonds(simulation)
-      do n = 1, size(simulation%fields)
-         call finish_node_motion(simulation, simulation%fields(n), dt)
-      end do
+      associate (space => simulation%space, fields => simulation%fields, &
+         scheme => simulation%scheme, contact => simulation%effects%contact, &
+         machine => simulation%machine, scratch => simulation%scratch)
+         do n = 1, size(fields)
+            call start_node_motion(simulation, fields(n)%nodes, dt)
+         end do
+         call find_contact_surfaces(simulation)
+         call apply_contact(space, fields, scheme, contact, simulation%balance%ledger, &
+            machine, scratch, dt)
+         if (contact%bonded) call break_bonds(space, simulation%stores, fields, scheme%method, &
+            contact, machine, scratch)
+         do n = 1, size(fields)
+            call finish_node_motion(space, scheme, machine, scratch, fields(n)%nodes, dt)
+         end do
+      end associate
    end subroutine move_in_contact
 
    !> Filter the node velocities (XPIC, FMPM), or map those of the particles once more (MUSL).
@@ -206,22 +232,15 @@ contains
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
-      if (simulation%scheme%method%transfer%sweeps() > 0) call filter_velocities(simulation, &
-         field, dt)
-      if (.not. simulation%scheme%method%remaps()) return
-      call remap_momentum(simulation, field, dt)
-      call find_remapped_velocities(simulation, field)
+      associate (space => simulation%space, stores => simulation%stores, &
+         scheme => simulation%scheme, method => simulation%scheme%method, &
+         machine => simulation%machine, scratch => simulation%scratch)
+         if (method%transfer%sweeps() > 0) call filter_velocities(space, stores, scheme, machine, &
+            scratch, field, dt)
+         if (.not. method%remaps()) return
+         call remap_momentum(space, stores, scheme, machine, scratch, field, dt)
+         call find_remapped_velocities(space, scheme, simulation%effects, simulation%clock, &
+            machine, scratch, field%nodes)
+      end associate
    end subroutine remap_velocities
-
-   !> Time, gravity and counters at the end of the step.
-   subroutine advance_clock(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation
-      real(wp), intent(in) :: dt                     !! Time step [s]
-
-      simulation%clock%updates = simulation%clock%updates + count_particles(simulation)
-      simulation%clock%time = simulation%clock%time + dt
-      simulation%clock%step = simulation%clock%step + 1
-      simulation%clock%dt = dt
-      call update_gravity(simulation)
-   end subroutine advance_clock
 end module step_advance

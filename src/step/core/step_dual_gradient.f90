@@ -3,16 +3,17 @@
 !! gradients of velocities. Every tile adds the contribution of its cells, kept as packed patches.
 module step_dual_gradient
    use base_kinds, only: wp
+   use ddmp_dual, only: dual_t
    use mesh_grid, only: grid_t
    use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
    use step_bounds, only: are_nodes_slow
-   use step_method, only: stress_after
-   use step_node_fields, only: empty_mass
-   use step_node_sums, only: divide, ensure_sums, keep_sums, slots
+   use step_method, only: method_t, stress_after
+   use step_node_fields, only: dual_nodes_t, empty_mass, nodes_t
+   use step_node_sums, only: divide_nodes, ensure_sums, keep_sums, count_slots
    use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
-   use step_simulation, only: scheme_t, simulation_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -23,175 +24,181 @@ module step_dual_gradient
 contains
 
    !> Weights and volumes of the dual gradient, and the force of the stress on the nodes.
-   subroutine apply_dual_gradient(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine apply_dual_gradient(space, fields, scheme, machine, scratches, field)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(scheme_t), intent(in) :: scheme
+      type(machine_t), intent(inout) :: machine
+      type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
       integer :: tile
-      real(wp) :: began
 
-      call simulation%machine%timer%start(simulation%machine%phase%grid)
-      call ensure_dual(simulation, field)
-      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      call machine%timer%start(machine%phase%grid)
+      call ensure_dual(space, scheme, scratches, field%nodes)
+      !$omp parallel do default(none) shared(space, fields, scheme, machine, field) private(tile) &
       !$omp schedule(static)
-      do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation%machine)
-         call weigh_tile(simulation, field, tile)
-         call record_cost(simulation%machine, tile, began)
+      do tile = 1, space%tiles%all
+         call start_cost(machine, tile)
+         call weigh_tile(space, fields, scheme, field, tile)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
       associate (nodes => field%nodes)
-         call nodes%dual%weighted%line_up(simulation%space%grid, simulation%space%tiles)
+         call nodes%dual%weighted%line_up(space%grid, space%tiles)
          call nodes%dual%share%ensure(nodes%dual%weighted%nodes())
          call nodes%dual%force%ensure(nodes%dual%weighted%nodes())
       end associate
-      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
       !$omp schedule(static)
-      do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation%machine)
-         call share_tile(simulation, field, tile)
-         call record_cost(simulation%machine, tile, began)
+      do tile = 1, space%tiles%all
+         call start_cost(machine, tile)
+         call share_tile(space, scheme%dual, field%nodes%dual, tile)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
-      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
       !$omp schedule(static)
-      do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation%machine)
-         call force_tile(simulation, field, tile)
-         call record_cost(simulation%machine, tile, began)
+      do tile = 1, space%tiles%all
+         call start_cost(machine, tile)
+         call force_tile(space, scheme, field%nodes, tile)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
-      call simulation%machine%timer%stop(simulation%machine%phase%grid)
+      call machine%timer%stop(machine%phase%grid)
    end subroutine apply_dual_gradient
 
    !> Allocate the fields of the dual gradient, except packed patches whose bounds are not known
    !! yet.
-   pure subroutine ensure_dual(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   pure subroutine ensure_dual(space, scheme, scratches, nodes)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(scratch_t), intent(inout) :: scratches(0:)
+      type(nodes_t), intent(inout) :: nodes
 
-      associate (nodes => field%nodes, grid => simulation%space%grid, all => &
-         simulation%space%tiles%all)
-         call ensure_sums(simulation, field)
-         call ensure_weights(nodes%dual%weight, grid%tile_cells, all)
-         call nodes%dual%weighted%ensure(all)
-         call ensure_patch(nodes%dual%volume, 1, grid%tile_nodes, slots(simulation, field))
-         if (simulation%scheme%repacks) call ensure_patch(nodes%dual%filled, 1, grid%tile_nodes, &
-            all)
-         if (allocated(nodes%dual%share%row)) return
-         call nodes%dual%share%keep(1, [.true.])
-         call nodes%dual%force%keep(3, vector_rows(grid))
-         call nodes%dual%gradient%keep(9, tensor_rows(grid))
-         call nodes%dual%middle%keep(9, tensor_rows(grid))
-         call nodes%dual%earlier%keep(9, tensor_rows(grid))
+      associate (dual => nodes%dual, grid => space%grid, all => space%tiles%all)
+         call ensure_sums(space, scratches, nodes%motion)
+         call ensure_weights(dual%weight, grid%tile_cells, all)
+         call dual%weighted%ensure(all)
+         call ensure_patch(dual%volume, 1, grid%tile_nodes, count_slots(space%tiles, scratches, &
+            nodes%motion))
+         if (scheme%repacks) call ensure_patch(dual%filled, 1, grid%tile_nodes, all)
+         if (allocated(dual%share%row)) return
+         call dual%share%keep(1, [.true.])
+         call dual%force%keep(3, vector_rows(grid))
+         call dual%gradient%keep(9, tensor_rows(grid))
+         call dual%middle_gradient%keep(9, tensor_rows(grid))
+         call dual%gradient_before%keep(9, tensor_rows(grid))
       end associate
    end subroutine ensure_dual
 
    !> Weights of the cells of a tile.
-   subroutine weigh_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine weigh_tile(space, fields, scheme, field, tile)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
       integer, parameter :: filled = 8               ! row of the patch
-      real(wp) :: around(simulation%space%grid%tile_nodes)
-      real(wp) :: sums(filled, simulation%space%grid%tile_nodes)
-      logical :: weighs(simulation%space%grid%tile_cells)
+      real(wp) :: around(space%grid%tile_nodes)
+      real(wp) :: sums(filled, space%grid%tile_nodes)
+      logical :: weighs(space%grid%tile_cells)
 
-      associate (grid => simulation%space%grid, nodes => field%nodes, &
-         coordinate => simulation%space%tiles%coordinate(:, tile))
-         call nodes%motion%packed(1)%assemble(grid, simulation%space%tiles, nodes%motion%touched, &
-            tile, sums)
-         if (.not. nodes%motion%lean) call keep_sums(nodes, tile, sums)
-         if (simulation%scheme%repacks) nodes%dual%filled(1, :, tile) = sums(filled, :)
+      associate (motion => field%nodes%motion, dual => field%nodes%dual, grid => space%grid, &
+         nodes => field%nodes, coordinate => space%tiles%coordinate(:, tile))
+         call motion%packed(1)%assemble(grid, space%tiles, motion%touched, tile, sums)
+         if (.not. motion%lean) call keep_sums(motion, tile, sums)
+         if (scheme%repacks) dual%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
          ! with normalised sums the weights are known
-         if (.not. allocated(simulation%scheme%normalises)) call &
-            simulation%scheme%dual%cell_weights(grid, sums, &
-            filled, around, nodes%dual%weight(:, tile))
-         if (field%other > 0) call drop_cells(simulation, field, tile)
-         call empty_box(nodes%dual%weighted%box(:, :, tile))
-         weighs = nodes%dual%weight(:, tile) > 0.0_wp
-         call widen_box(grid, weighs, nodes%dual%weighted%box(:, :, tile))
+         if (.not. allocated(scheme%normalises)) call scheme%dual%cell_weights(grid, sums, filled, &
+            around, dual%weight(:, tile))
+         if (field%other > 0) call drop_cells(space%grid, fields, field, tile)
+         call empty_box(dual%weighted%box(:, :, tile))
+         weighs = dual%weight(:, tile) > 0.0_wp
+         call widen_box(grid, weighs, dual%weighted%box(:, :, tile))
       end associate
    end subroutine weigh_tile
 
    !> Give cells with nodes of two sides no weight, neither for the first side nor for the second.
-   subroutine drop_cells(simulation, field, tile)
-      type(simulation_t), intent(in) :: simulation
+   subroutine drop_cells(grid, fields, field, tile)
+      type(grid_t), intent(in) :: grid
+      type(velocity_field_t), intent(in) :: fields(:)
       type(velocity_field_t), intent(inout) :: field !! One of the fields of two sides
       integer, intent(in) :: tile
 
       if (allocated(field%sides)) then
-         call field%sides%drop_cells(simulation%space%grid, tile, field%nodes%dual%weight(:, tile))
+         call field%sides%drop_cells(grid, tile, field%nodes%dual%weight(:, tile))
       else
-         call simulation%fields(field%other)%sides%drop_cells(simulation%space%grid, tile, &
-            field%nodes%dual%weight(:, tile))
+         call fields(field%other)%sides%drop_cells(grid, tile, field%nodes%dual%weight(:, tile))
       end if
    end subroutine drop_cells
 
    !> Contribution of the cells of a tile to the volumes of the nodes.
-   subroutine share_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine share_tile(space, dual, dual_nodes, tile)
+      type(space_t), intent(in) :: space
+      type(dual_t), intent(in) :: dual
+      type(dual_nodes_t), intent(inout) :: dual_nodes
       integer, intent(in) :: tile
-      real(wp) :: patch(1, simulation%space%grid%tile_nodes)
+      real(wp) :: patch(1, space%grid%tile_nodes)
 
-      associate (grid => simulation%space%grid, nodes => field%nodes)
+      associate (grid => space%grid)
          call clear_patch(patch)
-         call simulation%scheme%dual%add_volume(grid, simulation%space%tiles%coordinate(:, tile), &
-            nodes%dual%weight(:, tile), patch)
-         call nodes%dual%share%put(grid, nodes%dual%weighted, tile, 1, patch)
+         call dual%add_volume(grid, space%tiles%coordinate(:, tile), dual_nodes%weight(:, tile), &
+            patch)
+         call dual_nodes%share%put(grid, dual_nodes%weighted, tile, 1, patch)
       end associate
    end subroutine share_tile
 
    !> Volumes of the nodes of a tile.
-   pure subroutine find_volumes(simulation, field, tile, slot)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   pure subroutine find_volumes(space, dual_nodes, tile, slot)
+      type(space_t), intent(in) :: space
+      type(dual_nodes_t), intent(inout) :: dual_nodes
       integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Index of its fields
 
-      associate (nodes => field%nodes)
-         call nodes%dual%share%assemble(simulation%space%grid, simulation%space%tiles, &
-            nodes%dual%weighted, &
-            tile, &
-            nodes%dual%volume(:, :, slot))
-      end associate
+      call dual_nodes%share%assemble(space%grid, space%tiles, dual_nodes%weighted, tile, &
+         dual_nodes%volume(:, :, slot))
    end subroutine find_volumes
 
    !> Force of the node stress of the cells of a tile.
-   subroutine force_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine force_tile(space, scheme, nodes, tile)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
-      real(wp) :: stress(9, simulation%space%grid%tile_nodes), force(3, &
-         simulation%space%grid%tile_nodes)
-      integer :: slot
+      real(wp) :: stress(9, space%grid%tile_nodes), force(3, space%grid%tile_nodes)
+      integer :: slot, node, k
+      integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
 
-      associate (grid => simulation%space%grid, nodes => field%nodes, &
-         coordinate => simulation%space%tiles%coordinate(:, tile))
-         slot = nodes%slot(tile)
-         call find_volumes(simulation, field, tile, slot)
-         call nodes%motion%packed(2)%assemble(grid, simulation%space%tiles, nodes%motion%touched, &
-            tile, stress)
+      associate (motion => nodes%motion, dual => nodes%dual, grid => space%grid, &
+         coordinate => space%tiles%coordinate(:, tile))
+         slot = motion%slot(tile)
+         call find_volumes(space, dual, tile, slot)
+         call motion%packed(2)%assemble(grid, space%tiles, motion%touched, tile, stress)
          if (allocated(nodes%sums%normal)) then
-            call normalise(nodes%dual%volume(:, :, slot), nodes%sums%normal(:, :, tile), stress)
+            call normalise_directions(dual%volume(:, :, slot), nodes%sums%normal(:, :, tile), &
+               stress)
          else
-            call divide(nodes%dual%volume(:, :, slot), 1, stress)
+            call divide_nodes(dual%volume(:, :, slot), 1, stress)
          end if
-         if (simulation%scheme%method%controlled()) call add_star(nodes%stress%star(:, :, tile), &
-            stress)
-         call simulation%space%boundary%mirror(grid, coordinate, stress)
+         if (scheme%method%controlled()) then
+            ! add on the nodes the mean stress that was subtracted from the particles
+            do node = 1, size(stress, 2)
+               do k = 1, 9
+                  stress(k, node) = stress(k, node) + nodes%stress%star(component(k), node, tile)
+               end do
+            end do
+         end if
+         call space%boundary%mirror(grid, coordinate, stress)
          call clear_patch(force)
-         call simulation%scheme%dual%add_force(grid, coordinate, nodes%dual%weight(:, tile), &
-            stress, &
-            force)
-         call nodes%dual%force%put(grid, nodes%dual%weighted, tile, 1, force)
+         call scheme%dual%add_force(grid, coordinate, dual%weight(:, tile), stress, force)
+         call dual%force%put(grid, dual%weighted, tile, 1, force)
       end associate
    end subroutine force_tile
 
    !> Divide by the volumes of the nodes, or by the sums of their particles, direction by direction.
    !! Equation (Q.8) of doc/theory/quadratures.md.
-   pure subroutine normalise(volume, normal, values)
+   pure subroutine normalise_directions(volume, normal, values)
       real(wp), contiguous, intent(in) :: volume(:, :)     !! (1, node) Of the dual gradient [m3]
       real(wp), contiguous, intent(in) :: normal(:, :)     !! (7, node) Over sums; plain weight
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
@@ -206,63 +213,49 @@ contains
                *(normal(4 + l, node)*inverse + normal(l, node))
          end do
       end do
-   end subroutine normalise
-
-   !> Add on the nodes the mean stress that was subtracted from the particles.
-   pure subroutine add_star(star, stress)
-      real(wp), contiguous, intent(in) :: star(:, :)       !! (6, node) [Pa]
-      real(wp), contiguous, intent(inout) :: stress(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
-      integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
-      integer :: node, k
-
-      do node = 1, size(stress, 2)
-         do k = 1, 9
-            stress(k, node) = stress(k, node) + star(component(k), node)
-         end do
-      end do
-   end subroutine add_star
+   end subroutine normalise_directions
 
    !> Bound the gain of nodes of small mass of a tile in the velocity that strains.
-   pure subroutine limit_tile_gains(simulation, field, tile, slot, dt)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   pure subroutine limit_tile_gains(space, method, nodes, tile, slot, dt)
+      type(space_t), intent(in) :: space
+      type(method_t), intent(in) :: method
+      type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Index of its fields
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
-      if (.not. (simulation%scheme%method%dual .and. simulation%scheme%method%stress == &
-         stress_after)) return
-      associate (nodes => field%nodes)
-         if (.not. light_may_gain(simulation%space%grid, dt, nodes%motion%acceleration(:, :, &
-            slot))) return
-         if (nodes%motion%lean) call find_volumes(simulation, field, tile, slot)
-         call limit_node_gains(simulation%space%grid, simulation%space%tiles%coordinate(:, tile), &
-            nodes%dual%volume(1, :, slot), dt, nodes%motion%velocity(:, :, slot), &
-            nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
-      end associate
+      if (.not. (method%dual .and. method%stress == stress_after)) return
+      ! in most tiles the gain of no node can exceed the bound (M.17), which needs the volume of the
+      ! node. Each component is compared with a bound that is independent of the others
+      if (are_nodes_slow(3*space%grid%tile_nodes, nodes%motion%acceleration(:, :, slot), &
+         small*space%grid%spacing/(sqrt(3.0_wp)*dt**2))) return
+      if (nodes%motion%lean) call find_volumes(space, nodes%dual, tile, slot)
+      call limit_node_gains(space%grid, space%tiles%coordinate(:, tile), &
+         nodes%dual%volume(1, :, slot), dt, nodes%motion%velocity(:, :, slot), &
+         nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
    end subroutine limit_tile_gains
 
    !> Contribution of the cells of a tile to the node gradient of a velocity.
-   pure subroutine store_gradient(space, scheme, field, tile, velocity, gradient)
+   pure subroutine store_gradient(space, dual, dual_nodes, tile, velocity, gradient)
       type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
-      type(velocity_field_t), intent(in) :: field
+      type(dual_t), intent(in) :: dual
+      type(dual_nodes_t), intent(in) :: dual_nodes
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       type(packed_patch_t), intent(inout) :: gradient      !! Gets the gradient [m3/s]
       real(wp) :: patch(9, space%grid%tile_nodes)
 
       call clear_patch(patch)
-      call scheme%dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
-         field%nodes%dual%weight(:, tile), velocity, patch)
-      call gradient%put(space%grid, field%nodes%dual%weighted, tile, 1, patch)
+      call dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
+         dual_nodes%weight(:, tile), velocity, patch)
+      call gradient%put(space%grid, dual_nodes%weighted, tile, 1, patch)
    end subroutine store_gradient
 
    !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation
    !! (M.6) of doc/theory/method.md.
-   subroutine node_gradient(space, field, tile, shares, gradient)
+   subroutine node_gradient(space, nodes, tile, shares, gradient)
       type(space_t), intent(in) :: space
-      type(velocity_field_t), intent(in) :: field
+      type(nodes_t), intent(in) :: nodes
       integer, intent(in) :: tile
       type(packed_patch_t), intent(in) :: shares           !! Contributions of cells [m3/s]
       !> (9, node) [1/s]; only at nodes that the particles of the tile use
@@ -270,31 +263,17 @@ contains
       integer :: low, high
 
       if (.not. allocated(gradient)) allocate (gradient(9, space%grid%tile_nodes))
-      call shares%assemble(space%grid, space%tiles, field%nodes%dual%weighted, tile, &
-         gradient)
-      call nodes_seen(space, field, tile, low, high)
-      if (allocated(field%nodes%sums%normal)) then
-         call normalise(field%nodes%dual%volume(:, low:high, field%nodes%slot(tile)), &
-            field%nodes%sums%normal(:, low:high, tile), gradient(:, low:high))
+      call shares%assemble(space%grid, space%tiles, nodes%dual%weighted, tile, gradient)
+      call nodes_seen(space%grid, nodes%motion, tile, low, high)
+      if (allocated(nodes%sums%normal)) then
+         call normalise_directions(nodes%dual%volume(:, low:high, nodes%motion%slot(tile)), &
+            nodes%sums%normal(:, low:high, tile), gradient(:, low:high))
       else
-         call divide(field%nodes%dual%volume(:, low:high, field%nodes%slot(tile)), 1, &
+         call divide_nodes(nodes%dual%volume(:, low:high, nodes%motion%slot(tile)), 1, &
             gradient(:, low:high))
       end if
-      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), &
-         gradient)
+      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), gradient)
    end subroutine node_gradient
-
-   !> True if the gain of some node may exceed the bound (M.17), which needs the volume of the node.
-   !! Most tiles have no such node. Each component is compared with a bound that is independent of
-   !! the others.
-   pure logical function light_may_gain(grid, dt, acceleration) result(may)
-      type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
-
-      may = .not. are_nodes_slow(size(acceleration), acceleration, &
-         small*grid%spacing/(sqrt(3.0_wp)*dt**2))
-   end function light_may_gain
 
    !> Bound the gain of a node of small mass in the step in the velocity that strains: its force
    !! over its mass has no bound, while particles near it gain only a fraction of the force. Node

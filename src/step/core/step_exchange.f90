@@ -2,8 +2,11 @@
 !> Exchange of patches between ranks. Patches for other ranks are computed first and sent; the inner
 !! tiles are computed during the exchange. Packing and waiting are timed separately.
 module step_exchange
+   use base_communicator, only: communicator_t
    use base_kinds, only: wp
-   use step_simulation, only: simulation_t, velocity_field_t
+   use step_method, only: method_t
+   use step_node_fields, only: motion_nodes_t
+   use step_simulation, only: machine_t, space_t
    implicit none
    private
 
@@ -15,69 +18,67 @@ module step_exchange
 contains
 
    !> Own tiles of a part, to be computed now.
-   subroutine next_tiles(simulation, part, tiles)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine next_tiles(space, communicator, part, tiles)
+      type(space_t), intent(inout) :: space
+      type(communicator_t), intent(in) :: communicator
       integer, intent(in) :: part                    !! The edge first
       integer, allocatable, intent(out) :: tiles(:)  !! Indices
 
       if (part == edge_tiles) then
-         call simulation%space%halo%plan(simulation%machine%communicator, simulation%space%grid, &
-            simulation%space%tiles)
-         tiles = simulation%space%halo%edge
+         call space%halo%plan(communicator, space%grid, space%tiles)
+         tiles = space%halo%edge
       else
-         tiles = simulation%space%halo%inner
+         tiles = space%halo%inner
       end if
    end subroutine next_tiles
 
    !> Send the patches after the edge tiles, and receive those of other ranks after the inner tiles.
-   subroutine send_patches(simulation, part, patch)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine send_patches(space, machine, part, patch)
+      type(space_t), intent(inout) :: space
+      type(machine_t), intent(inout) :: machine
       integer, intent(in) :: part                    !! Work on tiles
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       real(wp) :: waited
 
-      if (simulation%machine%communicator%size == 1) return
-      associate (communicator => simulation%machine%communicator, phase => simulation%machine%phase)
-         call simulation%machine%timer%start(phase%exchange)
+      if (machine%communicator%size == 1) return
+      associate (communicator => machine%communicator, phase => machine%phase)
+         call machine%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
-            call simulation%space%halo%post(communicator, simulation%space%tiles, patch)
+            call space%halo%post(communicator, space%tiles, patch)
          else
-            call simulation%space%halo%complete(communicator, simulation%space%grid, &
-               simulation%space%tiles, patch)
+            call space%halo%complete(communicator, space%grid, space%tiles, patch)
          end if
-         call simulation%machine%timer%stop(phase%exchange)
-         if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &
+         call machine%timer%stop(phase%exchange)
+         if (part == inner_tiles) call machine%timer%move(phase%exchange, phase%wait, &
             communicator%traffic%waiting - waited)
       end associate
    end subroutine send_patches
 
    !> The same for the packed patches of the motion.
-   subroutine send_motion(simulation, field, part)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine send_motion(space, method, machine, motion, part)
+      type(space_t), intent(inout) :: space
+      type(method_t), intent(in) :: method
+      type(machine_t), intent(inout) :: machine
+      type(motion_nodes_t), intent(inout) :: motion
       integer, intent(in) :: part                    !! Work on tiles
       real(wp) :: waited
       integer :: kinds
 
-      if (simulation%machine%communicator%size == 1) return
-      kinds = merge(2, 1, simulation%scheme%method%dual)
-      associate (communicator => simulation%machine%communicator, phase => &
-         simulation%machine%phase, &
-         nodes => field%nodes)
-         call simulation%machine%timer%start(phase%exchange)
+      if (machine%communicator%size == 1) return
+      kinds = merge(2, 1, method%dual)
+      associate (communicator => machine%communicator, phase => machine%phase)
+         call machine%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
-            call simulation%space%halo%post_packed(communicator, simulation%space%grid, &
-               simulation%space%tiles, &
-               nodes%motion%touched, nodes%motion%packed(:kinds))
+            call space%halo%post_packed(communicator, space%grid, space%tiles, motion%touched, &
+               motion%packed(:kinds))
          else
-            call simulation%space%halo%complete_packed(communicator, simulation%space%grid, &
-               simulation%space%tiles, &
-               nodes%motion%touched, nodes%motion%packed(:kinds))
+            call space%halo%complete_packed(communicator, space%grid, space%tiles, motion%touched, &
+               motion%packed(:kinds))
          end if
-         call simulation%machine%timer%stop(phase%exchange)
-         if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &
+         call machine%timer%stop(phase%exchange)
+         if (part == inner_tiles) call machine%timer%move(phase%exchange, phase%wait, &
             communicator%traffic%waiting - waited)
       end associate
    end subroutine send_motion

@@ -92,7 +92,7 @@ contains
                end if
             end associate
          end do
-         call even_out(store%cell_start(:, tile), first, loose, state%volume)
+         call exchange_volume(store%cell_start(:, tile), first, loose, state%volume)
       end associate
       call material%stored_energy(store%state, first, last, after)
       if (.not. allocated(store%state%energy)) &
@@ -101,7 +101,7 @@ contains
 
    !> Move volume from loose to compressed particles of each cell, until no particle is loose or
    !! none is compressed. All particles take part in proportion to their excess or deficit.
-   pure subroutine even_out(start, first, loose, volume)
+   pure subroutine exchange_volume(start, first, loose, volume)
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       integer, intent(in) :: first                   !! First particle of the tile
       real(wp), intent(in) :: loose(:)               !! (particle of the tile) Without pressure [m3]
@@ -124,5 +124,5 @@ contains
             end associate
          end do
       end do
-   end subroutine even_out
+   end subroutine exchange_volume
 end module step_grid_volumes

@@ -6,11 +6,12 @@ module step_mean_stress
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
-   use step_node_fields, only: empty_mass, mean_columns
+   use step_node_fields, only: empty_mass, mean_columns, nodes_t
    use step_particles_to_nodes, only: locate_particles
-   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -19,48 +20,52 @@ module step_mean_stress
 contains
 
    !> Mean stress on the nodes inside of bodies, decreasing to zero at their surfaces.
-   subroutine find_mean_stress(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine find_mean_stress(space, stores, scheme, machine, scratches, field)
+      type(space_t), intent(inout) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
+      type(machine_t), intent(inout) :: machine
+      type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
-      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
-         call simulation%machine%timer%start(simulation%machine%phase%scatter)
-         call ensure_patch(nodes%stress%mean, mean_columns, number, simulation%space%tiles%own)
+      associate (nodes => field%nodes, number => space%grid%tile_nodes)
+         call machine%timer%start(machine%phase%scatter)
+         call ensure_patch(nodes%stress%mean, mean_columns, number, space%tiles%own)
          do part = edge_tiles, inner_tiles
-            call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, field, tiles) private(began, n) &
-            !$omp schedule(dynamic, 1)
+            call next_tiles(space, machine%communicator, part, tiles)
+            !$omp parallel do default(none) private(n) schedule(dynamic, 1) &
+            !$omp shared(space, stores, scheme, machine, scratches, field, tiles)
             do n = 1, size(tiles)
-               began = cost_clock(simulation%machine)
-               call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
-                  tiles(n), &
-                  field%nodes%stress%mean(:, :, tiles(n)))
-               call record_cost(simulation%machine, tiles(n), began)
+               call start_cost(machine, tiles(n))
+               call scatter_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
+                  tiles(n), field%nodes%stress%mean(:, :, tiles(n)))
+               call stop_cost(machine, tiles(n))
             end do
             !$omp end parallel do
-            call send_patches(simulation, part, nodes%stress%mean)
+            call send_patches(space, machine, part, nodes%stress%mean)
          end do
-         call simulation%machine%timer%stop(simulation%machine%phase%scatter)
-         call simulation%machine%timer%start(simulation%machine%phase%grid)
-         call ensure_patch(nodes%stress%star, mean_columns - 1, number, simulation%space%tiles%all)
-         !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
+         call machine%timer%stop(machine%phase%scatter)
+         call machine%timer%start(machine%phase%grid)
+         call ensure_patch(nodes%stress%star, mean_columns - 1, number, space%tiles%all)
+         !$omp parallel do default(none) shared(space, machine, field) private(tile) &
          !$omp schedule(static)
-         do tile = 1, simulation%space%tiles%all
-            began = cost_clock(simulation%machine)
-            call divide_tile(simulation, field, tile)
-            call record_cost(simulation%machine, tile, began)
+         do tile = 1, space%tiles%all
+            call start_cost(machine, tile)
+            call divide_tile(space, field%nodes, tile)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
-         call simulation%machine%timer%stop(simulation%machine%phase%grid)
+         call machine%timer%stop(machine%phase%grid)
       end associate
    end subroutine find_mean_stress
 
    !> Volume and stress of the particles of a tile.
-   subroutine scatter_tile(simulation, field, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation
+   subroutine scatter_tile(space, stores, scheme, field, scratch, tile, patch)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
@@ -69,9 +74,9 @@ contains
 
       call clear_patch(patch)
       do index = field%first_store, field%last_store
-         if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (store => simulation%stores(index))
-            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
+         if (stores(index)%count(tile) == 0) cycle
+         associate (store => stores(index))
+            call locate_particles(space, scheme, field, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                scratch%shape%values(p, 1) = store%state%volume(q)
@@ -83,8 +88,7 @@ contains
                      *store%state%stress(q, k)
                end do
             end do
-            call simulation%scheme%method%basis%scatter_values(simulation%space%grid, &
-               scratch%shape, mean_columns, &
+            call scheme%method%basis%scatter_values(space%grid, scratch%shape, mean_columns, &
                scratch%shape%values, 0, patch)
          end associate
       end do
@@ -93,29 +97,27 @@ contains
    !> Mean stress of the nodes of a tile, times the least fill of all nodes around: twice their
    !! volume of particles over their own, at most 1. Nodes beyond the domain are ignored. Equation
    !! (Q.2).
-   subroutine divide_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine divide_tile(space, nodes, tile)
+      type(space_t), intent(in) :: space
+      type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
-      real(wp) :: total(mean_columns, simulation%space%grid%tile_nodes)
-      real(wp) :: around(simulation%space%grid%tile_nodes), fill(simulation%space%grid%tile_nodes)
+      real(wp) :: total(mean_columns, space%grid%tile_nodes)
+      real(wp) :: around(space%grid%tile_nodes), fill(space%grid%tile_nodes)
       integer :: node, direction
 
-      call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%stress%mean, tile, &
-         total)
-      call simulation%space%grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
+      call assemble(space%grid, space%tiles, nodes%stress%mean, tile, total)
+      call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
       do node = 1, size(fill)
          fill(node) = 1.0_wp
          if (around(node) > 0.0_wp) fill(node) = min(1.0_wp, 2.0_wp*total(1, node)/around(node))
       end do
       do direction = 1, 3
-         if (simulation%space%grid%active(direction)) call take_least(simulation%space%grid, &
-            direction, fill)
+         if (space%grid%active(direction)) call take_least(space%grid, direction, fill)
       end do
       do node = 1, size(fill)
-         field%nodes%stress%star(:, node, tile) = 0.0_wp
-         if (total(1, node) > empty_mass) &
-            field%nodes%stress%star(:, node, tile) = fill(node)*total(2:, node)/total(1, node)
+         nodes%stress%star(:, node, tile) = 0.0_wp
+         if (total(1, node) > empty_mass) nodes%stress%star(:, node, tile) = fill(node)*total(2:, &
+            node)/total(1, node)
       end do
    end subroutine divide_tile
 

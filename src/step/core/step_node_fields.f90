@@ -7,6 +7,7 @@
 !! allocated.
 module step_node_fields
    use base_kinds, only: int64, wp
+   use mesh_grid, only: grid_t
    use mesh_node_boxes, only: node_boxes_t
    use mesh_packed_patch, only: packed_patch_t
    use omp_lib, only: omp_get_thread_num
@@ -15,7 +16,8 @@ module step_node_fields
    implicit none
    private
 
-   public :: node_needs_t, node_tally_t, nodes_t
+   public :: dual_nodes_t, motion_nodes_t, node_needs_t, node_tally_t, nodes_t, &
+      normalised_nodes_t
 
    integer, parameter, public :: mean_columns = 7    !! Volume and stress times volume
    !> Columns of the sums for differences of stress: those of the force, and force of unit stress
@@ -78,6 +80,8 @@ module step_node_fields
       real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
    contains
       procedure :: count => count_motion
+      procedure :: own_mass => motion_own_mass       !! Mass of the particles of a tile
+      procedure :: slot => motion_slot               !! Index of the fields of a tile
    end type motion_nodes_t
 
    !> Dual gradient.
@@ -90,7 +94,7 @@ module step_node_fields
       type(packed_patch_t) :: force                  !! (3) Force of the node stress [N]
       !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
       !! of two, of the velocity before the step [m3/s]
-      type(packed_patch_t) :: gradient, middle, earlier
+      type(packed_patch_t) :: gradient, middle_gradient, gradient_before
    contains
       procedure :: count => count_dual
    end type dual_nodes_t
@@ -135,10 +139,11 @@ module step_node_fields
 
    !> Work of walls, gravity and contact that is recorded after the nodes have moved.
    type :: work_nodes_t
-      real(wp), allocatable :: push(:, :, :) !! (3) Velocity change from walls and gravity [m/s]
-      real(wp), allocatable :: taken(:, :, :) !! (3) Velocity before the step removed by walls [m/s]
-      real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
-      real(wp), allocatable :: pressed(:, :, :) !! (3) Contact impulses of other bodies [kg m/s]
+      real(wp), allocatable :: velocity_change(:, :, :) !! (3) From walls and gravity [m/s]
+      !> (3) Part of the velocity before the step that walls removed [m/s]
+      real(wp), allocatable :: velocity_removed(:, :, :)
+      real(wp), allocatable :: contact_heat(:, :, :) !! (1) Heat of contact [J/kg]
+      real(wp), allocatable :: contact_impulse(:, :, :) !! (3) From other bodies [kg m/s]
    contains
       procedure :: count => count_work
    end type work_nodes_t
@@ -152,20 +157,31 @@ module step_node_fields
       type(normalised_nodes_t) :: sums
       type(work_nodes_t) :: work
    contains
-      procedure :: slot => nodes_slot                !! Index of the fields of a tile
       procedure :: count => count_nodes
    end type nodes_t
 
 contains
 
    !> Index of the fields of a tile: its own, or that of the thread that works on it.
-   integer function nodes_slot(self, tile) result(slot)
-      class(nodes_t), intent(in) :: self
+   integer function motion_slot(self, tile) result(slot)
+      class(motion_nodes_t), intent(in) :: self
       integer, intent(in) :: tile
 
       slot = tile
-      if (self%motion%lean) slot = 1 + omp_get_thread_num()
-   end function nodes_slot
+      if (self%lean) slot = 1 + omp_get_thread_num()
+   end function motion_slot
+
+   !> Mass that the particles of a tile give to its nodes.
+   pure subroutine motion_own_mass(self, grid, tile, mass)
+      class(motion_nodes_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: tile
+      real(wp), intent(out) :: mass(:)               !! (node) [kg]
+      real(wp) :: sums(self%packed(1)%rows, size(mass))
+
+      call self%packed(1)%get(grid, self%touched, tile, sums)
+      mass = sums(1, :)
+   end subroutine motion_own_mass
 
    !> Count all node fields of the velocity field.
    pure subroutine count_nodes(self, needs, tally)
@@ -213,8 +229,8 @@ contains
       call tally%add(self%filled, merge(1, 0, needs%dual .and. needs%repacks))
       call tally%add(self%force, merge(needs%vector, 0, needs%dual))
       call tally%add(self%gradient, merge(needs%tensor, 0, needs%dual))
-      call tally%add(self%middle, merge(needs%tensor, 0, needs%dual .and. needs%energy))
-      call tally%add(self%earlier, merge(needs%tensor, 0, needs%dual .and. needs%averages))
+      call tally%add(self%middle_gradient, merge(needs%tensor, 0, needs%dual .and. needs%energy))
+      call tally%add(self%gradient_before, merge(needs%tensor, 0, needs%dual .and. needs%averages))
    end subroutine count_dual
 
    !> Count the fields of the series.
@@ -260,10 +276,10 @@ contains
       type(node_needs_t), intent(in) :: needs
       type(node_tally_t), intent(inout) :: tally
 
-      call tally%add(self%push, merge(3, 0, needs%contact > 0 .or. needs%later))
-      call tally%add(self%taken, merge(3, 0, needs%later))
-      call tally%add(self%rubbed, min(1, needs%contact))
-      call tally%add(self%pressed, max(0, needs%contact - 1))
+      call tally%add(self%velocity_change, merge(3, 0, needs%contact > 0 .or. needs%later))
+      call tally%add(self%velocity_removed, merge(3, 0, needs%later))
+      call tally%add(self%contact_heat, min(1, needs%contact))
+      call tally%add(self%contact_impulse, max(0, needs%contact - 1))
    end subroutine count_work
 
    !> Add patches of all tiles.

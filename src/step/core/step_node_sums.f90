@@ -3,85 +3,86 @@
 module step_node_sums
    use base_kinds, only: wp
    use mesh_patch, only: ensure_patch
-   use step_node_fields, only: empty_mass, nodes_t
-   use step_simulation, only: machine_t, simulation_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use mesh_tiles, only: tiles_t
+   use step_node_fields, only: empty_mass, motion_nodes_t
+   use step_simulation, only: machine_t, scratch_t, space_t
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
-   public :: divide, divide_motion, ensure_sums, find_sums, keep_sums, renew_sums, slots
+   public :: divide_nodes, divide_motion, ensure_sums, find_sums, keep_sums, renew_sums, count_slots
 
    integer, parameter :: most = 64                   !! Nodes at a time: needs no allocation
 
 contains
 
    !> Number of buffers for the fields of the tiles in work.
-   pure integer function slots(simulation, field) result(number)
-      type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(in) :: field
+   pure integer function count_slots(tiles, scratches, motion) result(number)
+      type(tiles_t), intent(in) :: tiles
+      type(scratch_t), intent(in) :: scratches(0:)
+      type(motion_nodes_t), intent(in) :: motion
 
-      number = simulation%space%tiles%all
-      if (field%nodes%motion%lean) number = size(simulation%scratch)
-   end function slots
+      number = tiles%all
+      if (motion%lean) number = size(scratches)
+   end function count_slots
 
    !> Allocate the sums over the particles around the nodes.
-   pure subroutine ensure_sums(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   pure subroutine ensure_sums(space, scratches, motion)
+      type(space_t), intent(in) :: space
+      type(scratch_t), intent(inout) :: scratches(0:)
+      type(motion_nodes_t), intent(inout) :: motion
 
-      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
-         call ensure_patch(nodes%motion%mass, 1, number, slots(simulation, field))
-         call ensure_patch(nodes%motion%velocity, 3, number, slots(simulation, field))
-         call ensure_patch(nodes%motion%acceleration, 3, number, slots(simulation, field))
+      associate (number => space%grid%tile_nodes)
+         call ensure_patch(motion%mass, 1, number, count_slots(space%tiles, scratches, motion))
+         call ensure_patch(motion%velocity, 3, number, count_slots(space%tiles, scratches, motion))
+         call ensure_patch(motion%acceleration, 3, number, count_slots(space%tiles, &
+            scratches, motion))
       end associate
    end subroutine ensure_sums
 
    !> Find the sums of the nodes of a tile: mass, momentum in the array of the velocity, force in
    !! the array of the acceleration.
-   pure subroutine find_sums(space, field, tile, slot)
+   pure subroutine find_sums(space, motion, tile, slot)
       type(space_t), intent(in) :: space
-      type(velocity_field_t), intent(inout) :: field
+      type(motion_nodes_t), intent(inout) :: motion
       integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Index of its fields
-      real(wp) :: sums(field%nodes%motion%packed(1)%rows, space%grid%tile_nodes)
+      real(wp) :: sums(motion%packed(1)%rows, space%grid%tile_nodes)
 
-      call field%nodes%motion%packed(1)%assemble(space%grid, space%tiles, &
-         field%nodes%motion%touched, tile, sums)
-      call keep_sums(field%nodes, slot, sums)
+      call motion%packed(1)%assemble(space%grid, space%tiles, motion%touched, tile, sums)
+      call keep_sums(motion, slot, sums)
    end subroutine find_sums
 
    !> Keep the sums of the nodes of a tile.
-   pure subroutine keep_sums(nodes, slot, sums)
-      type(nodes_t), intent(inout) :: nodes          !! Receives them
+   pure subroutine keep_sums(motion, slot, sums)
+      type(motion_nodes_t), intent(inout) :: motion
       integer, intent(in) :: slot                    !! Index of the fields of the tile
       real(wp), intent(in) :: sums(:, :)             !! (column, node) Mass, momentum, force, more
 
-      nodes%motion%mass(1, :, slot) = sums(1, :)
-      nodes%motion%velocity(:, :, slot) = sums(2:4, :)
-      nodes%motion%acceleration(:, :, slot) = sums(5:7, :)
+      motion%mass(1, :, slot) = sums(1, :)
+      motion%velocity(:, :, slot) = sums(2:4, :)
+      motion%acceleration(:, :, slot) = sums(5:7, :)
    end subroutine keep_sums
 
    !> Sums over the particles around the nodes as before the nodes were moved, if they are kept.
-   subroutine renew_sums(space, machine, field)
+   subroutine renew_sums(space, machine, motion)
       type(space_t), intent(in) :: space
       type(machine_t), intent(inout) :: machine
-      type(velocity_field_t), intent(inout) :: field
+      type(motion_nodes_t), intent(inout) :: motion
       integer :: tile
-      real(wp) :: began
 
-      if (field%nodes%motion%lean) return
-      !$omp parallel do default(none) shared(space, machine, field) private(tile, began) &
-      !$omp schedule(static)
+      if (motion%lean) return
+      !$omp parallel do default(none) shared(space, machine, motion) private(tile) schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
-         call find_sums(space, field, tile, tile)
-         call record_cost(machine, tile, began)
+         call start_cost(machine, tile)
+         call find_sums(space, motion, tile, tile)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine renew_sums
 
    !> Divide node values by a volume or mass; nodes without any get zero.
-   pure subroutine divide(by, row, values)
+   pure subroutine divide_nodes(by, row, values)
       real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
       integer, intent(in) :: row                           !! Component that divides
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
@@ -90,7 +91,7 @@ contains
 
       do before = 0, size(by, 2) - 1, most
          nodes = min(most, size(by, 2) - before)
-         call invert(nodes, size(by, 1), by(:, before + 1:before + nodes), row, inverse)
+         call invert_nodes(nodes, size(by, 1), by(:, before + 1:before + nodes), row, inverse)
          ! constant sizes let the compiler vectorise over components
          select case (size(values, 1))
          case (3)
@@ -102,7 +103,7 @@ contains
                values(:, before + 1:before + nodes))
          end select
       end do
-   end subroutine divide
+   end subroutine divide_nodes
 
    !> Divide momentum and force of nodes by their mass; nodes without any get zero.
    pure subroutine divide_motion(mass, velocity, acceleration)
@@ -114,14 +115,14 @@ contains
 
       do before = 0, size(mass, 2) - 1, most
          nodes = min(most, size(mass, 2) - before)
-         call invert(nodes, 1, mass(:, before + 1:before + nodes), 1, inverse)
+         call invert_nodes(nodes, 1, mass(:, before + 1:before + nodes), 1, inverse)
          call multiply_nodes(3, nodes, inverse, velocity(:, before + 1:before + nodes))
          call multiply_nodes(3, nodes, inverse, acceleration(:, before + 1:before + nodes))
       end do
    end subroutine divide_motion
 
    !> One over a component of some nodes; zero where it is too small.
-   pure subroutine invert(nodes, components, by, row, inverse)
+   pure subroutine invert_nodes(nodes, components, by, row, inverse)
       integer, intent(in) :: nodes                   !! Number of nodes
       integer, intent(in) :: components              !! Numbers per node
       real(wp), intent(in) :: by(components, nodes)  !! (component, node)
@@ -134,7 +135,7 @@ contains
          inverse(node) = merge(1.0_wp/max(by(row, node), empty_mass), 0.0_wp, &
             by(row, node) > empty_mass)
       end do
-   end subroutine invert
+   end subroutine invert_nodes
 
    !> Multiply tensors of nodes by a factor of each node: eight of the nine components are lanes.
    pure subroutine multiply_tensors(nodes, factor, values)

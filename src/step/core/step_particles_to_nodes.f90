@@ -9,9 +9,11 @@ module step_particles_to_nodes
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_motion
-   use step_simulation, only: scheme_t, scratch_t, simulation_effects_t, simulation_t, space_t, &
+   use step_method, only: method_t
+   use step_node_fields, only: motion_nodes_t, nodes_t
+   use step_simulation, only: machine_t, scheme_t, scratch_t, simulation_effects_t, space_t, &
       velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_bbar, only: average_pressure
    use transfer_scatter, only: dual_columns, motion_columns
    use transfer_shape_data, only: shape_data_t
@@ -20,9 +22,7 @@ module step_particles_to_nodes
    private
 
    public :: find_loads, locate_particles, locate_particles_plainly, may_be_lean, nodes_seen, &
-      particles_to_nodes, &
-      tensor_rows, &
-      vector_rows
+      particles_to_nodes, tensor_rows, vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 
@@ -30,69 +30,90 @@ contains
 
    !> Scatter mass, momentum and force of all particles to the patches of their tiles, and exchange
    !! patches with other ranks.
-   subroutine particles_to_nodes(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine particles_to_nodes(space, stores, fields, scheme, effects, machine, scratches, field)
+      type(space_t), intent(inout) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(inout) :: fields(:)
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
+      type(machine_t), intent(inout) :: machine
+      type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
-      integer :: part, n
-      real(wp) :: began
+      integer :: part, n, tile
 
       ! the sums of the other side are computed with those of the first
       if (field%last_store < field%first_store) return
-      call simulation%machine%timer%start(simulation%machine%phase%scatter)
-      call find_boxes(simulation, field)
-      call ensure_motion(simulation%space, simulation%scheme, field)
-      if (field%other > 0) call find_other_boxes(simulation, field, simulation%fields(field%other))
+      call machine%timer%start(machine%phase%scatter)
+      call find_boxes(space, stores, scheme, effects, machine, field)
+      call ensure_motion(space%grid, scheme%method, field%nodes)
+      if (field%other > 0) then
+         ! nodes of the other side of a field: those of tiles with parted nodes
+         associate (touched => fields(field%other)%nodes%motion%touched)
+            call touched%ensure(space%tiles%own)
+            do tile = 1, space%tiles%own
+               call empty_box(touched%box(:, :, tile))
+               if (field%sides%cut(tile)) touched%box(:, :, tile) = &
+                  field%nodes%motion%touched%box(:, :, tile)
+            end do
+            call touched%line_up(space%grid, space%tiles)
+         end associate
+         fields(field%other)%nodes%motion%lean = .false.
+         call ensure_motion(space%grid, scheme%method, fields(field%other)%nodes)
+      end if
       do part = edge_tiles, inner_tiles
-         call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, field, tiles) private(n, began) &
-         !$omp schedule(dynamic, 1)
+         call next_tiles(space, machine%communicator, part, tiles)
+         !$omp parallel do default(none) shared(space, stores, fields, scheme, effects, machine, &
+         !$omp scratches, field, tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation%machine)
-            call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tiles(n))
-            call record_cost(simulation%machine, tiles(n), began)
+            call start_cost(machine, tiles(n))
+            call scatter_tile(space, stores, fields, scheme, effects, field, &
+               scratches(omp_get_thread_num()), tiles(n))
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
-         call send_motion(simulation, field, part)
+         call send_motion(space, scheme%method, machine, field%nodes%motion, part)
       end do
       do part = edge_tiles, inner_tiles
-         if (field%other > 0) call send_motion(simulation, simulation%fields(field%other), part)
+         if (field%other > 0) call send_motion(space, scheme%method, machine, &
+            fields(field%other)%nodes%motion, part)
       end do
-      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
+      call machine%timer%stop(machine%phase%scatter)
    end subroutine particles_to_nodes
 
    !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
    !! these nodes alone.
-   subroutine find_boxes(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine find_boxes(space, stores, scheme, effects, machine, field)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
+      type(machine_t), intent(inout) :: machine
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: began
-      logical :: used(simulation%space%grid%tile_cells)
+      logical :: used(space%grid%tile_cells)
       integer :: tile, index
 
-      associate (touched => field%nodes%motion%touched, grid => simulation%space%grid, &
-         own => simulation%space%tiles%own)
+      associate (touched => field%nodes%motion%touched, grid => space%grid, own => space%tiles%own)
          call touched%ensure(own)
-         !$omp parallel do default(none) shared(simulation, field) &
-         !$omp private(began, tile, index, used) schedule(static)
-         do tile = 1, simulation%space%tiles%own
-            began = cost_clock(simulation%machine)
+         !$omp parallel do default(none) shared(space, stores, machine, field) &
+         !$omp private(tile, index, used) schedule(static)
+         do tile = 1, space%tiles%own
+            call start_cost(machine, tile)
             call empty_box(field%nodes%motion%touched%box(:, :, tile))
             do index = field%first_store, field%last_store
-               associate (store => simulation%stores(index))
+               associate (store => stores(index))
                   if (store%count(tile) == 0) cycle
-                  used = store%cell_start(1:, tile) &
-                     > store%cell_start(:simulation%space%grid%tile_cells - 1, tile)
+                  used = store%cell_start(1:, tile) > store%cell_start(:space%grid%tile_cells - 1, &
+                     tile)
                end associate
-               call widen_box(simulation%space%grid, used, field%nodes%motion%touched%box(:, :, &
-                  tile))
+               call widen_box(space%grid, used, field%nodes%motion%touched%box(:, :, tile))
             end do
-            call record_cost(simulation%machine, tile, began)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
-         call touched%line_up(grid, simulation%space%tiles)
-         field%nodes%motion%lean = may_be_lean(simulation%scheme, simulation%effects) .and. &
-            int(own, int64)*grid%tile_nodes > count_own(simulation%stores)
+         call touched%line_up(grid, space%tiles)
+         field%nodes%motion%lean = may_be_lean(scheme, effects) .and. &
+            int(own, int64)*grid%tile_nodes > count_own(stores)
       end associate
    end subroutine find_boxes
 
@@ -124,27 +145,26 @@ contains
 
    !> Allocate the packed patches of the motion. The node gradient of the previous step used the
    !! memory of the node stress.
-   pure subroutine ensure_motion(space, scheme, field)
-      type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
-      type(velocity_field_t), intent(inout) :: field
+   pure subroutine ensure_motion(grid, method, nodes)
+      type(grid_t), intent(in) :: grid
+      type(method_t), intent(in) :: method
+      type(nodes_t), intent(inout) :: nodes
 
-      associate (nodes => field%nodes, grid => space%grid, dual => scheme%method%dual)
-         if (.not. allocated(nodes%motion%packed(1)%row)) then
+      associate (motion => nodes%motion, dual => method%dual)
+         if (.not. allocated(motion%packed(1)%row)) then
             if (dual) then
-               call nodes%motion%packed(1)%keep(motion_columns + 1, [.true., vector_rows(grid), &
+               call motion%packed(1)%keep(motion_columns + 1, [.true., vector_rows(grid), &
                   vector_rows(grid), .true.])
-               call nodes%motion%packed(2)%keep(dual_columns - motion_columns - 1, &
-                  tensor_rows(grid))
+               call motion%packed(2)%keep(dual_columns - motion_columns - 1, tensor_rows(grid))
             else
-               call nodes%motion%packed(1)%keep(motion_columns, [.true., vector_rows(grid), &
+               call motion%packed(1)%keep(motion_columns, [.true., vector_rows(grid), &
                   vector_rows(grid)])
             end if
          end if
-         call nodes%motion%packed(1)%ensure(nodes%motion%touched%nodes())
+         call motion%packed(1)%ensure(motion%touched%nodes())
          if (.not. dual) return
-         call move_packed_patches(nodes%dual%gradient, nodes%motion%packed(2))
-         call nodes%motion%packed(2)%ensure(nodes%motion%touched%nodes())
+         call move_packed_patches(nodes%dual%gradient, motion%packed(2))
+         call motion%packed(2)%ensure(motion%touched%nodes())
       end associate
    end subroutine ensure_motion
 
@@ -168,53 +188,39 @@ contains
    end function tensor_rows
 
    !> One tile.
-   subroutine scatter_tile(simulation, field, scratch, tile)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine scatter_tile(space, stores, fields, scheme, effects, field, scratch, tile)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(inout) :: fields(:)
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
-      real(wp) :: patch(merge(dual_columns, motion_columns, simulation%scheme%method%dual), &
-         simulation%space%grid%tile_nodes)
+      real(wp) :: patch(merge(dual_columns, motion_columns, scheme%method%dual), &
+         space%grid%tile_nodes)
       integer :: index
 
       call clear_patch(patch)
       do index = field%first_store, field%last_store
-         if (simulation%stores(index)%count(tile) == 0) cycle
-         call scatter_store(simulation, field, scratch, index, tile, patch)
+         if (stores(index)%count(tile) == 0) cycle
+         call scatter_store(space, stores, scheme, effects, field, scratch, index, tile, patch)
       end do
-      if (field%other > 0) call scatter_other(simulation, field, scratch, tile, patch)
+      if (field%other > 0) call scatter_other(space, stores, fields, scheme, field, &
+         scratch, tile, patch)
       associate (nodes => field%nodes)
-         call nodes%motion%packed(1)%put(simulation%space%grid, nodes%motion%touched, tile, 1, &
-            patch)
-         if (simulation%scheme%method%dual) call nodes%motion%packed(2)%put(simulation%space%grid, &
-            nodes%motion%touched, &
+         call nodes%motion%packed(1)%put(space%grid, nodes%motion%touched, tile, 1, patch)
+         if (scheme%method%dual) call nodes%motion%packed(2)%put(space%grid, nodes%motion%touched, &
             tile, motion_columns + 2, patch)
       end associate
    end subroutine scatter_tile
 
-   !> Nodes of the other side of a field: those of tiles with parted nodes.
-   subroutine find_other_boxes(simulation, field, other)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(in) :: field    !! Its sides and boxes are known
-      type(velocity_field_t), intent(inout) :: other !! Field of the other side
-      integer :: tile
-
-      associate (touched => other%nodes%motion%touched)
-         call touched%ensure(simulation%space%tiles%own)
-         do tile = 1, simulation%space%tiles%own
-            call empty_box(touched%box(:, :, tile))
-            if (field%sides%cut(tile)) touched%box(:, :, tile) = &
-               field%nodes%motion%touched%box(:, :, tile)
-         end do
-         call touched%line_up(simulation%space%grid, simulation%space%tiles)
-      end associate
-      other%nodes%motion%lean = .false.
-      call ensure_motion(simulation%space, simulation%scheme, other)
-   end subroutine find_other_boxes
-
    !> Sums of both sides of a field on the parted nodes of a tile.
-   subroutine scatter_other(simulation, field, scratch, tile, patch)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine scatter_other(space, stores, fields, scheme, field, scratch, tile, patch)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(inout) :: fields(:)
+      type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field    !! Field with two sides
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
@@ -225,11 +231,10 @@ contains
       both = 0.0_wp
       if (field%sides%cut(tile)) then
          do n = 1, size(field%sides%store)
-            associate (store => simulation%stores(field%sides%before + n))
+            associate (store => stores(field%sides%before + n))
                if (store%count(tile) == 0) cycle
-               call locate_particles(simulation%space, simulation%scheme, field, scratch, store, &
-                  tile)
-               call scatter_sides(simulation%space%grid, scratch%shape, store, tile, &
+               call locate_particles(space, scheme, field, scratch, store, tile)
+               call scatter_sides(space%grid, scratch%shape, store, tile, &
                   field%sides%store(n)%other, field%sides%split(:, tile), both)
             end associate
          end do
@@ -237,28 +242,29 @@ contains
             if (field%sides%split(node, tile)) patch(:, node) = both(:, node, 0)
          end do
       end if
-      associate (nodes => simulation%fields(field%other)%nodes)
-         call nodes%motion%packed(1)%put(simulation%space%grid, nodes%motion%touched, tile, 1, &
-            both(:, :, 1))
-         if (simulation%scheme%method%dual) call nodes%motion%packed(2)%put( &
-            simulation%space%grid, nodes%motion%touched, tile, motion_columns + 2, both(:, :, 1))
+      associate (nodes => fields(field%other)%nodes)
+         call nodes%motion%packed(1)%put(space%grid, nodes%motion%touched, tile, 1, both(:, :, 1))
+         if (scheme%method%dual) call nodes%motion%packed(2)%put(space%grid, nodes%motion%touched, &
+            tile, motion_columns + 2, both(:, :, 1))
       end associate
    end subroutine scatter_other
 
    !> The particles of one material in a tile.
-   subroutine scatter_store(simulation, field, scratch, index, tile, patch)
-      type(simulation_t), intent(in) :: simulation
+   subroutine scatter_store(space, stores, scheme, effects, field, scratch, index, tile, patch)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      integer :: p, q, k
 
-      associate (grid => simulation%space%grid, store => simulation%stores(index), &
-         method => simulation%scheme%method, shape => scratch%shape, &
-         start => simulation%stores(index)%cell_start(:, tile), &
-         first => simulation%stores(index)%first(tile), state => simulation%stores(index)%state)
-         call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
+      associate (grid => space%grid, store => stores(index), method => scheme%method, &
+         shape => scratch%shape, first => stores(index)%first(tile), state => stores(index)%state)
+         call locate_particles(space, scheme, field, scratch, store, tile)
          if (allocated(store%affine)) then
             call method%basis%scatter_affine(grid, shape, first, state%mass, store%velocity, &
                store%affine, patch)
@@ -268,32 +274,42 @@ contains
          else
             call method%basis%scatter_motion(grid, shape, first, state%mass, store%velocity, patch)
          end if
-         if (allocated(simulation%effects%loads)) call find_loads(simulation, scratch, store, tile)
-         if (method%even .or. method%controlled() .or. allocated(simulation%effects%loads) .or. &
-            allocated(simulation%space%cell)) then
-            call change_stress(simulation%space, simulation%scheme, field, scratch, store, tile)
-            if (allocated(simulation%effects%loads)) call scratch%pushed%subtract( &
-               store%count(tile), scratch%pushed%load)
-            call push_nodes(simulation, shape, 1, scratch%pushed%position, scratch%pushed%volume, &
-               scratch%pushed%stress, patch)
+         if (allocated(effects%loads)) call find_loads(space, effects, scratch, store, tile)
+         if (method%even .or. method%controlled() .or. allocated(effects%loads) .or. &
+            allocated(space%cell)) then
+            call change_stress(space, scheme%method, field%nodes, scratch, store, tile)
+            if (allocated(effects%loads)) call scratch%pushed%subtract(store%count(tile), &
+               scratch%pushed%load)
+            call scatter_force(space%grid, scheme%method, shape, 1, scratch%pushed%position, &
+               scratch%pushed%volume, scratch%pushed%stress, patch)
          else
-            call push_nodes(simulation, shape, first, store%position, state%volume, state%stress, &
-               patch)
+            call scatter_force(space%grid, scheme%method, shape, first, store%position, &
+               state%volume, state%stress, patch)
          end if
-         if (allocated(simulation%effects%loads)) call add_load_force(simulation, scratch, store, &
-            tile, patch)
-         if (allocated(simulation%effects%exact)) call add_body_force(simulation, scratch, index, &
-            tile, &
-            patch)
+         if (allocated(effects%loads)) then
+            ! force density of the loads on surfaces, to columns 5 to 7. Equation (O.3) of
+            ! doc/theory/instruments.md
+            do k = 1, 3
+               do p = 1, store%count(tile)
+                  q = store%first(tile) + p - 1
+                  scratch%shape%vector(p, k) = store%state%volume(q)/store%state%mass(q) &
+                     *scratch%pushed%density(p, k)
+               end do
+            end do
+            call scheme%method%basis%scatter_product(space%grid, scratch%shape, store%first(tile), &
+               store%state%mass, scratch%shape%vector, force_before, patch)
+         end if
+         if (allocated(effects%exact)) call add_body_force(space%grid, stores, scheme%method, &
+            effects, scratch, index, tile, patch)
       end associate
    end subroutine scatter_store
 
    !> The stress that the particles of a tile scatter to the nodes, where it differs from the
    !! particle stress.
-   subroutine change_stress(space, scheme, field, scratch, store, tile)
+   subroutine change_stress(space, method, nodes, scratch, store, tile)
       type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
-      type(velocity_field_t), intent(in) :: field
+      type(method_t), intent(in) :: method
+      type(nodes_t), intent(in) :: nodes
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -302,10 +318,10 @@ contains
          pushed => scratch%pushed, shape => scratch%shape)
          call pushed%copy(store%first(tile), store%count(tile), store%position, &
             store%state%volume, store%state%stress)
-         if (scheme%method%even) call average_pressure(grid, start, pushed%volume, pushed%stress)
-         if (scheme%method%controlled()) then
-            call scheme%method%basis%gather_values(grid, shape, &
-               field%nodes%stress%star(:, :, tile), shape%values)
+         if (method%even) call average_pressure(grid, start, pushed%volume, pushed%stress)
+         if (method%controlled()) then
+            call method%basis%gather_values(grid, shape, nodes%stress%star(:, :, tile), &
+               shape%values)
             call pushed%subtract(store%count(tile), shape%values)
          end if
          if (allocated(space%cell)) call space%cell%pull_back(store%count(tile), pushed%volume, &
@@ -314,8 +330,9 @@ contains
    end subroutine change_stress
 
    !> Force of the stress of the particles of a tile.
-   subroutine push_nodes(simulation, shape, first, position, volume, stress, patch)
-      type(simulation_t), intent(in) :: simulation
+   subroutine scatter_force(grid, method, shape, first, position, volume, stress, patch)
+      type(grid_t), intent(in) :: grid
+      type(method_t), intent(in) :: method
       type(shape_data_t), intent(inout) :: shape        !! Shape data of the tile
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
@@ -323,55 +340,35 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :) !! (particle, 6) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
 
-      associate (grid => simulation%space%grid, method => simulation%scheme%method)
-         if (method%dual) then
-            call method%quadrature%scatter_force(grid, shape, first, volume, stress, patch)
-         else
-            call method%basis%scatter_stress(grid, shape, first, volume, stress, patch)
-         end if
-         if (grid%axisymmetric) call method%basis%scatter_hoop(grid, shape, first, position, &
-            volume, stress, patch)
-      end associate
-   end subroutine push_nodes
+      if (method%dual) then
+         call method%quadrature%scatter_force(grid, shape, first, volume, stress, patch)
+      else
+         call method%basis%scatter_stress(grid, shape, first, volume, stress, patch)
+      end if
+      if (grid%axisymmetric) call method%basis%scatter_hoop(grid, shape, first, position, volume, &
+         stress, patch)
+   end subroutine scatter_force
 
    !> Loads on surfaces as a stress and a force density at the particles of a tile.
-   pure subroutine find_loads(simulation, scratch, store, tile)
-      type(simulation_t), intent(in) :: simulation   !! With loads
+   pure subroutine find_loads(space, effects, scratch, store, tile)
+      type(space_t), intent(in) :: space
+      type(simulation_effects_t), intent(in) :: effects
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread; receives them
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
       call scratch%pushed%reserve_load(store%count(tile))
-      call add_loads(simulation%effects%loads, simulation%space%grid, &
-         simulation%space%tiles%coordinate(:, tile), store%first(tile), store%count(tile), &
-         store%position, store%body, store%origin%marks, scratch%pushed%load, &
-         scratch%pushed%density)
+      call add_loads(effects%loads, space%grid, space%tiles%coordinate(:, tile), &
+         store%first(tile), store%count(tile), store%position, store%body, store%origin%marks, &
+         scratch%pushed%load, scratch%pushed%density)
    end subroutine find_loads
 
-   !> Force density of the loads on surfaces, to columns 5 to 7. Equation (O.3) of
-   !! doc/theory/instruments.md.
-   subroutine add_load_force(simulation, scratch, store, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! With loads
-      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
-      type(store_t), intent(in) :: store
-      integer, intent(in) :: tile
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
-      integer :: p, q, k
-
-      do k = 1, 3
-         do p = 1, store%count(tile)
-            q = store%first(tile) + p - 1
-            scratch%shape%vector(p, k) = store%state%volume(q)/store%state%mass(q) &
-               *scratch%pushed%density(p, k)
-         end do
-      end do
-      call simulation%scheme%method%basis%scatter_product(simulation%space%grid, scratch%shape, &
-         store%first(tile), store%state%mass, scratch%shape%vector, force_before, patch)
-   end subroutine add_load_force
-
    !> Body force of an exact solution, to columns 5 to 7.
-   subroutine add_body_force(simulation, scratch, index, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! With an exact solution
+   subroutine add_body_force(grid, stores, method, effects, scratch, index, tile, patch)
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: stores(:)
+      type(method_t), intent(in) :: method
+      type(simulation_effects_t), intent(in) :: effects
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
@@ -379,22 +376,23 @@ contains
       real(wp) :: point(3), force(3)
       integer :: p, q, k
 
-      if (.not. allocated(simulation%effects%exact%material(index)%solution)) return
-      associate (store => simulation%stores(index), &
-         solution => simulation%effects%exact%material(index)%solution)
-         if (.not. solution%forced()) return
-         do p = 1, store%count(tile)
-            q = store%first(tile) + p - 1
-            do k = 1, 3
-               point(k) = store%origin%reference(q, k)
+      associate (exact => effects%exact)
+         if (.not. allocated(exact%material(index)%solution)) return
+         associate (store => stores(index), solution => exact%material(index)%solution)
+            if (.not. solution%forced()) return
+            do p = 1, store%count(tile)
+               q = store%first(tile) + p - 1
+               do k = 1, 3
+                  point(k) = store%origin%reference(q, k)
+               end do
+               call solution%body_force(point, exact%force_time, force)
+               do k = 1, 3
+                  scratch%shape%vector(p, k) = force(k)
+               end do
             end do
-            call solution%body_force(point, simulation%effects%exact%force_time, force)
-            do k = 1, 3
-               scratch%shape%vector(p, k) = force(k)
-            end do
-         end do
-         call simulation%scheme%method%basis%scatter_product(simulation%space%grid, scratch%shape, &
-            store%first(tile), store%state%mass, scratch%shape%vector, force_before, patch)
+            call method%basis%scatter_product(grid, scratch%shape, store%first(tile), &
+               store%state%mass, scratch%shape%vector, force_before, patch)
+         end associate
       end associate
    end subroutine add_body_force
 
@@ -408,51 +406,50 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
-      call locate_tile(space, scheme, scratch, store, tile)
+      call locate_tile(space, scheme%method, scratch, store, tile)
       if (allocated(scheme%normalises)) &
          scratch%shape%factor = field%nodes%sums%factor(:, :, tile)
       if (allocated(field%sides)) call field%sides%take_cells(space%grid, tile, scratch%shape)
    end subroutine locate_particles
 
    !> The same without factors, for effects with separate sums or with sums of all velocity fields.
-   subroutine locate_particles_plainly(space, scheme, scratch, store, tile)
+   subroutine locate_particles_plainly(space, method, scratch, store, tile)
       type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
+      type(method_t), intent(in) :: method
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
-      call locate_tile(space, scheme, scratch, store, tile)
+      call locate_tile(space, method, scratch, store, tile)
       if (allocated(scratch%shape%factor)) deallocate (scratch%shape%factor)
    end subroutine locate_particles_plainly
 
    !> Compute the shape data of the particles of a tile.
-   subroutine locate_tile(space, scheme, scratch, store, tile)
+   subroutine locate_tile(space, method, scratch, store, tile)
       type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
+      type(method_t), intent(in) :: method
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
       associate (coordinate => space%tiles%coordinate(:, tile))
          call scratch%shape%reserve(store%count(tile))
-         call scheme%method%basis%locate(space%grid, coordinate, store, tile, &
+         call method%basis%locate(space%grid, coordinate, store, tile, scratch%shape)
+         if (method%dual) call method%quadrature%locate(space%grid, coordinate, store, tile, &
             scratch%shape)
-         if (scheme%method%dual) call scheme%method%quadrature%locate(space%grid, &
-            coordinate, store, tile, scratch%shape)
       end associate
    end subroutine locate_tile
 
    !> First and last of the nodes that the particles of a tile use.
-   pure subroutine nodes_seen(space, field, tile, low, high)
-      type(space_t), intent(in) :: space
-      type(velocity_field_t), intent(in) :: field
+   pure subroutine nodes_seen(grid, motion, tile, low, high)
+      type(grid_t), intent(in) :: grid
+      type(motion_nodes_t), intent(in) :: motion
       integer, intent(in) :: tile                    !! An own tile
       integer, intent(out) :: low, high              !! First and last; 1 and 0 without particles
 
       low = 1
       high = 0
-      associate (grid => space%grid, box => field%nodes%motion%touched%box(:, :, tile))
+      associate (box => motion%touched%box(:, :, tile))
          if (any(box(:, 2) < box(:, 1))) return
          low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
          high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)

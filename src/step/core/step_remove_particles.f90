@@ -2,31 +2,59 @@
 !> Removes particles that are out of bounds or have failed, and records their mass, momentum and
 !! energy. Their memory is released when their tile is sorted.
 module step_remove_particles
+   use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_physics, fail
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use material_type, only: material_t
    use particle_store, only: moved_away, moved_off, moved_out, store_t
-   use step_bounds, only: bounds_t, fault_inverted, fault_none, find_fault
+   use step_bounds, only: bounds_t, count_bad, fault_inverted, fault_none, find_fault, guard_t
    use step_ledger, only: ledger_t, mass, removed_angular, removed_energy, removed_mass, &
       removed_momentum, removed_particles, retired_mass
    use step_offending_particle, only: step_text, tile_bounds
-   use step_simulation, only: clock_t, conservation_t, machine_t, scratch_t
+   use step_simulation, only: clock_t, scheme_t, scratch_t
    implicit none
    private
 
-   public :: check_retired, erode_tile, fastest_left, retire_tile
+   public :: check_retired, erode_tile, fastest_left, judge_particles, retire_tile
 
 contains
 
+   !> Find particles that are out of bounds or have failed, and remove them if the deck says so. The
+   !! remaining particles limit the next step.
+   subroutine judge_particles(material, store, scheme, guard, scratch, tile, fastest, steepest)
+      type(material_t), intent(in) :: material
+      type(store_t), intent(inout) :: store
+      type(scheme_t), intent(in) :: scheme
+      type(guard_t), intent(in) :: guard
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
+      integer, intent(in) :: tile
+      real(wp), intent(inout) :: fastest             !! Fastest signal and motion of tile [m/s]
+      real(wp), intent(in) :: steepest               !! Square of |grad v|, tile excluded [1/s2]
+      logical :: sound
+
+      sound = count_bad(store, tile, material%density, tile_bounds(material, guard)) < 0.5_wp
+      if (.not. sound .and. guard%bounds%retire) then
+         call retire_tile(material, store, guard, scratch, tile, sound)
+         scratch%retired = .true.
+      end if
+      scratch%sound = scratch%sound .and. sound
+      if (scheme%erosion .and. allocated(store%state%failed)) call erode_tile(material, store, &
+         scratch, tile)
+      if (.not. (scheme%erosion .or. guard%bounds%retire)) return
+      if (.not. any(store%home(store%first(tile):store%first(tile) + store%count(tile) - 1) == &
+         moved_off)) return
+      if (fastest > 0.0_wp) fastest = fastest_left(store, tile, scratch%deformation%wave_speed)
+      scratch%steepest = steepest
+   end subroutine judge_particles
+
    !> Remove the particles of a tile that have left their bounds. Particles with NaN are not removed
    !! and end the run, because the NaN has already reached their neighbours.
-   subroutine retire_tile(materials, stores, clock, scratch, index, tile, sound)
-      type(material_t), intent(in) :: materials(:)
-      type(store_t), intent(inout) :: stores(:)
-      type(clock_t), intent(in) :: clock
+   subroutine retire_tile(material, store, guard, scratch, tile, sound)
+      type(material_t), intent(in) :: material
+      type(store_t), intent(inout) :: store
+      type(guard_t), intent(in) :: guard
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
-      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile                    !! Tile after its particles moved
       logical, intent(out) :: sound                  !! Are all other particles in their bounds?
       type(bounds_t) :: bounds
@@ -34,37 +62,32 @@ contains
       real(wp) :: value
 
       sound = .true.
-      bounds = tile_bounds(materials, clock, index)
-      associate (store => stores(index), material => materials(index))
-         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-            call find_fault(store, p, material%density, bounds, fault, value)
-            if (fault == fault_none) cycle
-            if (fault < fault_inverted) then
-               sound = .false.
-            else if (store%home(p) /= moved_out) then
-               call scratch%ledger%sums(retired_mass)%add(store%state%mass(p))
-               call take_out(scratch%ledger, material, store, tile, p)
-            end if
-         end do
-      end associate
+      bounds = tile_bounds(material, guard)
+      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+         call find_fault(store, p, material%density, bounds, fault, value)
+         if (fault == fault_none) cycle
+         if (fault < fault_inverted) then
+            sound = .false.
+         else if (store%home(p) /= moved_out) then
+            call scratch%ledger%sums(retired_mass)%add(store%state%mass(p))
+            call take_out(scratch%ledger, material, store, tile, p)
+         end if
+      end do
    end subroutine retire_tile
 
    !> Remove the failed particles of a tile.
-   subroutine erode_tile(materials, stores, scratch, index, tile)
-      type(material_t), intent(in) :: materials(:)
-      type(store_t), intent(inout) :: stores(:)
+   subroutine erode_tile(material, store, scratch, tile)
+      type(material_t), intent(in) :: material
+      type(store_t), intent(inout) :: store
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
-      integer, intent(in) :: index                   !! Index of a material that can fail
       integer, intent(in) :: tile                    !! Tile after its particles moved
       integer :: p
 
-      associate (store => stores(index), material => materials(index))
-         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-            if (store%state%failed(p) == 0) cycle
-            if (store%home(p) == moved_out .or. store%home(p) == moved_off) cycle
-            call take_out(scratch%ledger, material, store, tile, p)
-         end do
-      end associate
+      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+         if (store%state%failed(p) == 0) cycle
+         if (store%home(p) == moved_out .or. store%home(p) == moved_off) cycle
+         call take_out(scratch%ledger, material, store, tile, p)
+      end do
    end subroutine erode_tile
 
    !> Record a particle and mark it for removal.
@@ -100,21 +123,23 @@ contains
    end function fastest_left
 
    !> Has more mass been removed than the deck allows? Collective.
-   subroutine check_retired(clock, balance, machine, error)
+   subroutine check_retired(clock, ledger, communicator, error)
       type(clock_t), intent(in) :: clock
-      type(conservation_t), intent(in) :: balance
-      type(machine_t), intent(in) :: machine
+      type(ledger_t), intent(in) :: ledger
+      type(communicator_t), intent(in) :: communicator
       type(error_t), allocatable, intent(out) :: error !! If so
       type(exact_sum_t) :: sum
       real(wp) :: share
       character(len=160) :: text
 
-      call sum%merge(balance%ledger%sums(retired_mass))
-      call sum%over_ranks(machine%communicator)
-      share = sum%value()/balance%ledger%start%entry(mass)
-      if (share <= clock%guard%bounds%retire_max) return
-      write (text, "(a,es10.3,a,es10.3)") "particles that exceeded their bounds had", share, &
-         " of the mass, more than retire_max =", clock%guard%bounds%retire_max
-      call fail(error, exit_physics, step_text(clock)//": "//trim(text)//" [R109]")
+      associate (bounds => clock%guard%bounds)
+         call sum%merge(ledger%sums(retired_mass))
+         call sum%over_ranks(communicator)
+         share = sum%value()/ledger%start%entry(mass)
+         if (share <= bounds%retire_max) return
+         write (text, "(a,es10.3,a,es10.3)") "particles that exceeded their bounds had", share, &
+            " of the mass, more than retire_max =", bounds%retire_max
+         call fail(error, exit_physics, step_text(clock)//": "//trim(text)//" [R109]")
+      end associate
    end subroutine check_retired
 end module step_remove_particles

@@ -34,10 +34,9 @@ module step_simulation
    implicit none
    private
 
-   public :: clock_t, conduction_t, conservation_t, contact_t, simulation_effects_t, load_t, &
-      machine_t, &
-      phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
-      velocity_field_t
+   public :: clock_t, conduction_t, contact_t, heat_flux_t, load_t, machine_t, &
+      phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_effects_t, simulation_t, &
+      space_t, velocity_field_t
 
    integer, parameter, public :: guesses = 3         !! Candidates for the normal between two bodies
 
@@ -81,7 +80,7 @@ module step_simulation
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Sum of volumes [m3]
       real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
-      real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
+      real(wp), allocatable :: node_heat(:, :, :)    !! Patch (3): heat of the node flux, row 1 [W]
    contains
       procedure :: count => count_conduction
    end type conduction_t
@@ -111,7 +110,7 @@ module step_simulation
       type(pushed_stress_t) :: pushed !! Particle stress for the nodes, if different
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       !> (particle, 9) Half of the strain with the velocity before the step, if needed [1]
-      real(wp), allocatable :: earlier(:, :)
+      real(wp), allocatable :: half_strain(:, :)
       type(ledger_t) :: ledger                       !! Sums of this thread
       type(stage_clock_t) :: laps                           !! Times of effects
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
@@ -306,13 +305,13 @@ contains
       call tally%add(self%share, merge(1, 0, dual))
       call tally%add(self%volume, merge(1, 0, dual))
       call tally%add(self%slope, merge(9, 0, dual))
-      call tally%add(self%push, merge(3, 0, dual))
+      call tally%add(self%node_heat, merge(3, 0, dual))
    end subroutine count_conduction
 
    !> Count the node fields of the artificial heat flux.
    pure subroutine count_heat_flux(self, needed, tally)
       class(heat_flux_t), intent(in) :: self
-      logical, intent(in) :: needed
+      logical, intent(in) :: needed                  !! Does the method have it?
       type(node_tally_t), intent(inout) :: tally
 
       call tally%add(self%content, merge(2, 0, needed))

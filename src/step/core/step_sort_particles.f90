@@ -3,13 +3,17 @@
 !! move to their tiles and ranks.
 module step_sort_particles
    use base_kinds, only: int64, wp
+   use material_type, only: material_t
+   use mesh_grid, only: grid_t
    use particle_inflow, only: fed_t
    use particle_migrate, only: migrate
    use particle_sort_tile, only: row_packer_t
    use particle_split, only: split_store
-   use step_ledger, only: dissipated, lost_angular, lost_energy, lost_mass, lost_momentum
+   use particle_store, only: store_t
+   use step_ledger, only: dissipated, ledger_t, lost_angular, lost_energy, lost_mass, lost_momentum
    use step_normalised_sums, only: find_full
-   use step_simulation, only: simulation_t, velocity_field_t
+   use step_simulation, only: clock_t, machine_t, scheme_t, simulation_effects_t, simulation_t, &
+      space_t, velocity_field_t
    implicit none
    private
 
@@ -22,30 +26,37 @@ contains
       type(simulation_t), intent(inout) :: simulation
       integer :: n
 
-      call simulation%machine%timer%start(simulation%machine%phase%sort)
-      do n = 1, size(simulation%fields)
-         call split_field(simulation, simulation%fields(n))
-      end do
-      call simulation%machine%timer%stop(simulation%machine%phase%sort)
+      associate (machine => simulation%machine)
+         call machine%timer%start(machine%phase%sort)
+         do n = 1, size(simulation%fields)
+            call split_field(simulation%space, simulation%stores, simulation%scheme, &
+               simulation%clock, simulation%balance%ledger, machine, simulation%fields(n))
+         end do
+         call machine%timer%stop(machine%phase%sort)
+      end associate
    end subroutine split_particles
 
    !> One velocity field.
-   subroutine split_field(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine split_field(space, stores, scheme, clock, ledger, machine, field)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(inout) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
+      type(clock_t), intent(inout) :: clock
+      type(ledger_t), intent(inout) :: ledger
+      type(machine_t), intent(inout) :: machine
       type(velocity_field_t), intent(in) :: field
       real(wp), allocatable :: gain(:)
       logical, allocatable :: full(:, :)
       integer :: index, n
 
       do index = field%first_store, field%last_store
-         if (.not. allocated(simulation%stores(index)%opening)) cycle
-         call find_full(simulation%space, simulation%scheme, simulation%machine, field, index, &
-            full)
-         call split_store(simulation%scheme%method%splitting, full, simulation%space%grid, &
-            simulation%space%boundary, simulation%space%tiles, simulation%stores(index), gain)
-         simulation%clock%halved = simulation%clock%halved + size(gain)
+         if (.not. allocated(stores(index)%opening)) cycle
+         call find_full(space, scheme, machine, field%nodes%sums, index, full)
+         call split_store(scheme%method%splitting, full, space%grid, space%boundary, space%tiles, &
+            stores(index), gain)
+         clock%halved = clock%halved + size(gain)
          do n = 1, size(gain)
-            call simulation%balance%ledger%sums(dissipated)%add(-gain(n))
+            call ledger%sums(dissipated)%add(-gain(n))
          end do
       end do
    end subroutine split_field
@@ -57,43 +68,48 @@ contains
       type(fed_t), allocatable :: fed(:)
       real(wp) :: waited
 
-      waited = simulation%machine%communicator%traffic%waiting
-      call simulation%machine%timer%start(simulation%machine%phase%sort)
-      call simulation%balance%ledger%record_lost(simulation%stores, simulation%materials)
-      ! an array that is not allocated is an absent argument
-      if (present(began) .and. allocated(simulation%effects%inflows)) &
-         call feed_particles(simulation, began, fed)
-      call migrate(simulation%machine%communicator, simulation%space%grid, &
-         simulation%space%boundary, simulation%space%tiles, simulation%stores, fed)
-      call simulation%machine%timer%stop(simulation%machine%phase%sort)
-      if (simulation%machine%communicator%size > 1) call &
-         simulation%machine%timer%move(simulation%machine%phase%sort, &
-         simulation%machine%phase%wait, simulation%machine%communicator%traffic%waiting - waited)
+      associate (machine => simulation%machine, effects => simulation%effects)
+         waited = machine%communicator%traffic%waiting
+         call machine%timer%start(machine%phase%sort)
+         call simulation%balance%ledger%record_lost(simulation%stores, simulation%materials)
+         ! an array that is not allocated is an absent argument
+         if (present(began) .and. allocated(effects%inflows)) &
+            call feed_particles(simulation%space%grid, simulation%materials, effects, &
+            simulation%clock, simulation%balance%ledger, began, fed)
+         call migrate(machine%communicator, simulation%space%grid, simulation%space%boundary, &
+            simulation%space%tiles, simulation%stores, fed)
+         call machine%timer%stop(machine%phase%sort)
+         if (machine%communicator%size > 1) call machine%timer%move(machine%phase%sort, &
+            machine%phase%wait, machine%communicator%traffic%waiting - waited)
+      end associate
    end subroutine sort_particles
 
    !> The particles that enter by inflows in a step. The ledger records them as negative losses.
-   subroutine feed_particles(simulation, began, fed)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine feed_particles(grid, materials, effects, clock, ledger, began, fed)
+      type(grid_t), intent(in) :: grid
+      type(material_t), intent(in) :: materials(:)
+      type(simulation_effects_t), intent(inout) :: effects
+      type(clock_t), intent(in) :: clock
+      type(ledger_t), intent(inout) :: ledger
       real(wp), intent(in) :: began                  !! Begin of the step [s]
       type(fed_t), allocatable, intent(out) :: fed(:) !! (inflow)
       type(row_packer_t) :: packer
       integer :: n, row, p
 
-      allocate (fed(size(simulation%effects%inflows)))
+      allocate (fed(size(effects%inflows)))
       do n = 1, size(fed)
-         associate (inflow => simulation%effects%inflows(n))
-            call inflow%enter(simulation%space%grid, began, simulation%clock%time, packer%particle)
+         associate (inflow => effects%inflows(n))
+            call inflow%enter(grid, began, clock%time, packer%particle)
             fed(n)%store = inflow%store
             allocate (fed(n)%rows(0, 0))
             if (size(packer%particle) == 0) cycle
             allocate (fed(n)%position(size(packer%particle), 3))
             do row = 1, size(packer%particle)
                p = packer%particle(row)
-               call simulation%materials(inflow%store)%draw_strength(inflow%pattern%state, &
+               call materials(inflow%store)%draw_strength(inflow%pattern%state, &
                   inflow%pattern%identity, p, p)
-               call simulation%balance%ledger%record_particle(inflow%pattern, &
-                  simulation%materials(inflow%store), p, [lost_mass, lost_momentum, lost_energy, &
-                  lost_angular], enters=.true.)
+               call ledger%record_particle(inflow%pattern, materials(inflow%store), p, &
+                  [lost_mass, lost_momentum, lost_energy, lost_angular], enters=.true.)
                fed(n)%position(row, :) = inflow%pattern%position(p, :)
             end do
             allocate (packer%rows(inflow%pattern%words(), size(packer%particle)))
@@ -105,13 +121,13 @@ contains
    end subroutine feed_particles
 
    !> Number of particles of this rank.
-   pure integer(int64) function count_particles(simulation) result(particles)
-      type(simulation_t), intent(in) :: simulation
+   pure integer(int64) function count_particles(stores) result(particles)
+      type(store_t), intent(in) :: stores(:)
       integer :: index
 
       particles = 0
-      do index = 1, size(simulation%stores)
-         particles = particles + simulation%stores(index)%particles()
+      do index = 1, size(stores)
+         particles = particles + stores(index)%particles()
       end do
    end function count_particles
 end module step_sort_particles

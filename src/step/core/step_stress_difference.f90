@@ -7,14 +7,16 @@
 !! and (Q.5) of doc/theory/quadratures.md.
 module step_stress_difference
    use base_kinds, only: wp
+   use ddmp_dual, only: dual_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
-   use step_node_fields, only: difference_columns
-   use step_node_sums, only: divide
+   use step_node_fields, only: difference_columns, nodes_t
+   use step_node_sums, only: divide_nodes
    use step_particles_to_nodes, only: locate_particles
-   use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_scatter, only: dual_columns
    implicit none
    private
@@ -27,59 +29,62 @@ module step_stress_difference
 contains
 
    !> Correction of the force of each node. Weights and volumes of the dual gradient are known.
-   subroutine find_stress_difference(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine find_stress_difference(space, stores, scheme, machine, scratches, field)
+      type(space_t), intent(inout) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
+      type(machine_t), intent(inout) :: machine
+      type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
-      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
-         call simulation%machine%timer%start(simulation%machine%phase%scatter)
-         call ensure_patch(nodes%stress%mean, difference_columns, number, &
-            simulation%space%tiles%own)
+      associate (nodes => field%nodes, number => space%grid%tile_nodes)
+         call machine%timer%start(machine%phase%scatter)
+         call ensure_patch(nodes%stress%mean, difference_columns, number, space%tiles%own)
          do part = edge_tiles, inner_tiles
-            call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, field, tiles) private(began, n) &
-            !$omp schedule(dynamic, 1)
+            call next_tiles(space, machine%communicator, part, tiles)
+            !$omp parallel do default(none) private(n) schedule(dynamic, 1) &
+            !$omp shared(space, stores, scheme, machine, scratches, field, tiles)
             do n = 1, size(tiles)
-               began = cost_clock(simulation%machine)
-               call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
-                  tiles(n), &
-                  field%nodes%stress%mean(:, :, tiles(n)))
-               call record_cost(simulation%machine, tiles(n), began)
+               call start_cost(machine, tiles(n))
+               call scatter_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
+                  tiles(n), field%nodes%stress%mean(:, :, tiles(n)))
+               call stop_cost(machine, tiles(n))
             end do
             !$omp end parallel do
-            call send_patches(simulation, part, nodes%stress%mean)
+            call send_patches(space, machine, part, nodes%stress%mean)
          end do
-         call simulation%machine%timer%stop(simulation%machine%phase%scatter)
-         call simulation%machine%timer%start(simulation%machine%phase%grid)
-         call ensure_patch(nodes%stress%star, 6, number, simulation%space%tiles%all)
-         call ensure_patch(nodes%stress%unit, 3, number, simulation%space%tiles%all)
-         call ensure_patch(nodes%stress%difference, 3, number, simulation%space%tiles%all)
-         !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
+         call machine%timer%stop(machine%phase%scatter)
+         call machine%timer%start(machine%phase%grid)
+         call ensure_patch(nodes%stress%star, 6, number, space%tiles%all)
+         call ensure_patch(nodes%stress%unit, 3, number, space%tiles%all)
+         call ensure_patch(nodes%stress%difference, 3, number, space%tiles%all)
+         !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
          !$omp schedule(static)
-         do tile = 1, simulation%space%tiles%all
-            began = cost_clock(simulation%machine)
-            call unit_tile(simulation, field, tile)
-            call record_cost(simulation%machine, tile, began)
+         do tile = 1, space%tiles%all
+            call start_cost(machine, tile)
+            call unit_tile(space, scheme%dual, field%nodes, tile)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
-         !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
+         !$omp parallel do default(none) shared(space, machine, field) private(tile) &
          !$omp schedule(static)
-         do tile = 1, simulation%space%tiles%all
-            began = cost_clock(simulation%machine)
-            call difference_tile(simulation, field, tile)
-            call record_cost(simulation%machine, tile, began)
+         do tile = 1, space%tiles%all
+            call start_cost(machine, tile)
+            call difference_tile(space, field%nodes, tile)
+            call stop_cost(machine, tile)
          end do
          !$omp end parallel do
-         call simulation%machine%timer%stop(simulation%machine%phase%grid)
+         call machine%timer%stop(machine%phase%grid)
       end associate
    end subroutine find_stress_difference
 
    !> Stress times volume of the particles of a tile, and their node forces under unit stress.
-   subroutine scatter_tile(simulation, field, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation
+   subroutine scatter_tile(space, stores, scheme, field, scratch, tile, patch)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
@@ -88,11 +93,10 @@ contains
 
       call clear_patch(patch)
       do index = field%first_store, field%last_store
-         if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (store => simulation%stores(index), grid => simulation%space%grid, &
-            method => simulation%scheme%method, shape => scratch%shape, pushed => scratch%pushed, &
-            start => simulation%stores(index)%cell_start(:, tile))
-            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
+         if (stores(index)%count(tile) == 0) cycle
+         associate (store => stores(index), grid => space%grid, method => scheme%method, &
+            shape => scratch%shape, pushed => scratch%pushed)
+            call locate_particles(space, scheme, field, scratch, store, tile)
             call pushed%copy(store%first(tile), store%count(tile), store%position, &
                store%state%volume, store%state%stress)
             ! the volume again: that of the quadrature need not use the shape functions of the basis
@@ -112,93 +116,74 @@ contains
             end do
             call method%basis%scatter_values(grid, shape, rest, shape%values, dual_columns, patch)
             call pushed%make_unit(store%count(tile))
-            call method%quadrature%scatter_force(grid, shape, 1, pushed%volume, pushed%stress, &
-               patch)
+            call method%quadrature%scatter_force(grid, shape, 1, pushed%volume, &
+               pushed%stress, patch)
          end associate
       end do
    end subroutine scatter_tile
 
    !> Mean stress of the nodes of a tile; force of the node stress of unit stress less unit stress.
-   subroutine unit_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine unit_tile(space, dual, nodes, tile)
+      type(space_t), intent(in) :: space
+      type(dual_t), intent(in) :: dual
+      type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
-      real(wp) :: total(difference_columns, simulation%space%grid%tile_nodes)
-      real(wp) :: stress(9, simulation%space%grid%tile_nodes)
+      real(wp) :: total(difference_columns, space%grid%tile_nodes)
+      real(wp) :: stress(9, space%grid%tile_nodes)
       integer :: node, k
 
-      associate (nodes => field%nodes)
-         call assemble(simulation%space%grid, simulation%space%tiles, nodes%stress%mean, tile, &
-            total)
-         nodes%stress%star(:before, :, tile) = total(:before, :)
-         nodes%stress%star(before + 1:, :, tile) = total(dual_columns + 1:difference_columns - 1, :)
-         call divide(total, difference_columns, nodes%stress%star(:, :, tile))
-         nodes%stress%difference(:, :, tile) = total(before + 1:before + 3, :)
-         stress = total(before + 5:dual_columns, :)
-         call divide(nodes%dual%volume(:, :, tile), 1, stress)
-         do node = 1, size(stress, 2)
-            do k = 1, 9, 4
-               stress(k, node) = stress(k, node) - 1.0_wp
-            end do
+      call assemble(space%grid, space%tiles, nodes%stress%mean, tile, total)
+      nodes%stress%star(:before, :, tile) = total(:before, :)
+      nodes%stress%star(before + 1:, :, tile) = total(dual_columns + 1:difference_columns - 1, :)
+      call divide_nodes(total, difference_columns, nodes%stress%star(:, :, tile))
+      nodes%stress%difference(:, :, tile) = total(before + 1:before + 3, :)
+      stress = total(before + 5:dual_columns, :)
+      call divide_nodes(nodes%dual%volume(:, :, tile), 1, stress)
+      do node = 1, size(stress, 2)
+         do k = 1, 9, 4
+            stress(k, node) = stress(k, node) - 1.0_wp
          end do
-         nodes%stress%unit(:, :, tile) = 0.0_wp
-         call simulation%scheme%dual%add_force(simulation%space%grid, &
-            simulation%space%tiles%coordinate(:, tile), &
-            nodes%dual%weight(:, tile), stress, nodes%stress%unit(:, :, tile))
-      end associate
+      end do
+      nodes%stress%unit(:, :, tile) = 0.0_wp
+      call dual%add_force(space%grid, space%tiles%coordinate(:, tile), nodes%dual%weight(:, tile), &
+         stress, nodes%stress%unit(:, :, tile))
    end subroutine unit_tile
 
    !> Change of the force of the nodes of a tile. Equation (Q.4).
-   subroutine difference_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine difference_tile(space, nodes, tile)
+      type(space_t), intent(in) :: space
+      type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
       integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
-      real(wp) :: unit(3, simulation%space%grid%tile_nodes), stress(9, &
-         simulation%space%grid%tile_nodes)
-      real(wp) :: inside(simulation%space%grid%tile_nodes)
+      real(wp) :: unit(3, space%grid%tile_nodes), stress(9, space%grid%tile_nodes)
+      real(wp) :: inside(space%grid%tile_nodes), around(size(inside)), cells
       integer :: node, k
 
-      associate (nodes => field%nodes)
-         call assemble(simulation%space%grid, simulation%space%tiles, nodes%stress%unit, tile, unit)
-         do node = 1, size(stress, 2)
-            do k = 1, 9
-               stress(k, node) = nodes%stress%star(component(k), node, tile)
-            end do
+      call assemble(space%grid, space%tiles, nodes%stress%unit, tile, unit)
+      do node = 1, size(stress, 2)
+         do k = 1, 9
+            stress(k, node) = nodes%stress%star(component(k), node, tile)
          end do
-         call simulation%space%boundary%mirror(simulation%space%grid, &
-            simulation%space%tiles%coordinate(:, tile), &
-            stress)
-         call find_inside(simulation%space, field, tile, inside)
-         do node = 1, size(stress, 2)
-            do k = 1, 3
-               unit(k, node) = inside(node)*(unit(k, node) + nodes%stress%difference(k, node, tile))
-            end do
-            do k = 1, 3
-               nodes%stress%difference(k, node, tile) = -(stress(k, node)*unit(1, node) &
-                  + stress(k + 3, node)*unit(2, node) + stress(k + 6, node)*unit(3, node))
-            end do
-         end do
-      end associate
-   end subroutine difference_tile
-
-   !> Weight of the nodes of a tile: 1 inside of bodies, where all cells around count in full, and 0
-   !! if one of them does not count. The weights do not give the position of a surface within its
-   !! cells, so the exact force is wrong there. Equation (Q.6).
-   pure subroutine find_inside(space, field, tile, inside)
-      type(space_t), intent(in) :: space
-      type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile
-      real(wp), intent(out) :: inside(:)             !! (node) 0 to 1
-      real(wp) :: around(size(inside)), cells
-      integer :: node
-
+      end do
+      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), stress)
+      ! weight of the nodes of a tile: 1 inside of bodies, where all cells around count in full, and
+      ! 0 if one of them does not count. The weights do not give the position of a surface within
+      ! its cells, so the exact force is wrong there. Equation (Q.6)
       call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
       cells = real(2**space%grid%dimensions, wp)
       inside = 0.0_wp
       do node = 1, size(inside)
-         if (around(node) > 0.0_wp) inside(node) = max(0.0_wp, &
-            1.0_wp - cells*(1.0_wp - field%nodes%dual%volume(1, node, tile)/around(node)))
+         if (around(node) > 0.0_wp) inside(node) = &
+            max(0.0_wp, 1.0_wp - cells*(1.0_wp - nodes%dual%volume(1, node, tile)/around(node)))
       end do
-   end subroutine find_inside
+      do node = 1, size(stress, 2)
+         do k = 1, 3
+            unit(k, node) = inside(node)*(unit(k, node) + nodes%stress%difference(k, node, tile))
+         end do
+         do k = 1, 3
+            nodes%stress%difference(k, node, tile) = -(stress(k, node)*unit(1, node) &
+               + stress(k + 3, node)*unit(2, node) + stress(k + 6, node)*unit(3, node))
+         end do
+      end do
+   end subroutine difference_tile
 end module step_stress_difference

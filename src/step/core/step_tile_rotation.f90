@@ -9,12 +9,11 @@
 !! linearly over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
 module step_tile_rotation
    use base_kinds, only: wp
-   use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, extent_of
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
-   use step_simulation, only: simulation_t, space_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_simulation, only: machine_t, simulation_effects_t, space_t
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -27,54 +26,57 @@ module step_tile_rotation
 contains
 
    !> Give all particles the rotation of the material around them. The particles are sorted.
-   subroutine smooth_tile_rotation(simulation)
-      type(simulation_t), intent(inout) :: simulation !! Its particles carry a rotation
-      real(wp) :: began
+   subroutine smooth_tile_rotation(space, stores, effects, machine)
+      type(space_t), intent(inout) :: space
+      type(store_t), intent(inout) :: stores(:)
+      type(simulation_effects_t), intent(inout) :: effects
+      type(machine_t), intent(inout) :: machine
       integer, allocatable :: tiles(:)
       integer :: part, n, tile
 
-      call simulation%machine%timer%start(simulation%machine%phase%scatter)
-      call ensure_patch(simulation%effects%turn, columns, simulation%space%grid%tile_nodes, &
-         simulation%space%tiles%own)
+      call machine%timer%start(machine%phase%scatter)
+      call ensure_patch(effects%turn, columns, space%grid%tile_nodes, space%tiles%own)
       do part = edge_tiles, inner_tiles
-         call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, tiles) private(began, n) &
+         call next_tiles(space, machine%communicator, part, tiles)
+         !$omp parallel do default(none) shared(space, stores, effects, machine, tiles) private(n) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation%machine)
-            call add_tile(simulation, tiles(n), simulation%effects%turn(:, :, tiles(n)))
-            call record_cost(simulation%machine, tiles(n), began)
+            call start_cost(machine, tiles(n))
+            call add_tile(space, stores, tiles(n), effects%turn(:, :, tiles(n)))
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
-         call send_patches(simulation, part, simulation%effects%turn)
+         call send_patches(space, machine, part, effects%turn)
       end do
-      !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(dynamic, 1)
-      do tile = 1, simulation%space%tiles%own
-         began = cost_clock(simulation%machine)
-         call turn_tile(simulation, tile)
-         call record_cost(simulation%machine, tile, began)
+      !$omp parallel do default(none) shared(space, stores, effects, machine) private(tile) &
+      !$omp schedule(dynamic, 1)
+      do tile = 1, space%tiles%own
+         call start_cost(machine, tile)
+         call turn_tile(space, stores, effects, tile)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
-      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
+      call machine%timer%stop(machine%phase%scatter)
    end subroutine smooth_tile_rotation
 
    !> Mass and its rotation at the corners of a tile, from its particles.
-   subroutine add_tile(simulation, tile, patch)
-      type(simulation_t), intent(in) :: simulation
+   subroutine add_tile(space, stores, tile, patch)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Not zero at corners only
       real(wp) :: sums(columns, corners), lower(3), inverse(3)
       integer :: node(corners), index, corner
 
       call clear_patch(patch)
-      call measure_tile(simulation%space, tile, lower, inverse)
+      call measure_tile(space, tile, lower, inverse)
       sums = 0.0_wp
-      do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index))
+      do index = 1, size(stores)
+         associate (store => stores(index))
             if (store%count(tile) > 0) call add_store(store, tile, lower, inverse, sums)
          end associate
       end do
-      call find_corners(simulation, tile, node)
+      call find_corners(space, tile, node)
       do corner = 1, corners
          patch(:, node(corner)) = patch(:, node(corner)) + sums(:, corner)
       end do
@@ -115,25 +117,26 @@ contains
    end subroutine add_store
 
    !> Rotation of the particles of a tile, from its corners.
-   subroutine turn_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine turn_tile(space, stores, effects, tile)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(inout) :: stores(:)
+      type(simulation_effects_t), intent(in) :: effects
       integer, intent(in) :: tile
-      real(wp) :: total(columns, simulation%space%grid%tile_nodes), turn(3, corners)
+      real(wp) :: total(columns, space%grid%tile_nodes), turn(3, corners)
       real(wp) :: lower(3), inverse(3)
       integer :: node(corners), corner, index
 
-      call assemble(simulation%space%grid, simulation%space%tiles, simulation%effects%turn, tile, &
-         total)
-      call find_corners(simulation, tile, node)
-      call measure_tile(simulation%space, tile, lower, inverse)
+      call assemble(space%grid, space%tiles, effects%turn, tile, total)
+      call find_corners(space, tile, node)
+      call measure_tile(space, tile, lower, inverse)
       turn = 0.0_wp
       do corner = 1, corners
          if (total(4, node(corner)) > 0.0_wp) &
             turn(:, corner) = total(1:3, node(corner))/total(4, node(corner))
       end do
-      do index = 1, size(simulation%stores)
-         if (simulation%stores(index)%count(tile) > 0) &
-            call turn_store(simulation%stores(index), tile, lower, inverse, turn)
+      do index = 1, size(stores)
+         if (stores(index)%count(tile) > 0) call turn_store(stores(index), tile, lower, &
+            inverse, turn)
       end do
    end subroutine turn_tile
 
@@ -163,14 +166,14 @@ contains
    end subroutine turn_store
 
    !> Nodes at the corners of a tile; those along a missing direction coincide.
-   pure subroutine find_corners(simulation, tile, node)
-      type(simulation_t), intent(in) :: simulation
+   pure subroutine find_corners(space, tile, node)
+      type(space_t), intent(in) :: space
       integer, intent(in) :: tile
       integer, intent(out) :: node(corners)          !! Numbers of the nodes
       integer :: corner, extent(3), margin(3), bit(3), k
 
-      associate (grid => simulation%space%grid)
-         extent = extent_of(grid, simulation%space%tiles, tile)
+      associate (grid => space%grid)
+         extent = extent_of(grid, space%tiles, tile)
          margin = merge(grid%margin, 0, grid%active)
          do corner = 1, corners
             bit = [(ibits(corner - 1, k - 1, 1), k=1, 3)]

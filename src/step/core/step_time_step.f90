@@ -3,11 +3,14 @@
 module step_time_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
-   use step_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
-   use step_conduction, only: bulk_volume, conducts
+   use particle_store, only: store_t
+   use material_type, only: material_t
+   use step_bounds, only: guard_t, rule_conduction, rule_growth, rule_signal, rule_strain
+   use step_conduction, only: bulk_volume, conducts_heat
+   use step_method, only: method_t
    use step_offending_particle, only: name_offending_particle
    use step_remove_particles, only: check_retired
-   use step_simulation, only: clock_t, scheme_t, simulation_t, space_t
+   use step_simulation, only: clock_t, machine_t, scratch_t, simulation_t, space_t
    implicit none
    private
 
@@ -24,56 +27,61 @@ contains
       logical :: sound, retired
       integer :: thread
 
-      fastest = 0.0_wp
-      load_work = 0.0_wp
-      sound = .true.
-      retired = .false.
-      call find_rate(simulation, rate)
-      do thread = 0, ubound(simulation%scratch, 1)
-         associate (scratch => simulation%scratch(thread))
-            fastest = max(fastest, scratch%fastest)
-            load_work = max(load_work, scratch%load_work)
-            sound = sound .and. scratch%sound
-            retired = retired .or. scratch%retired
-            call simulation%balance%ledger%merge(scratch%ledger)
-            call scratch%ledger%clear()
-            scratch%fastest = 0.0_wp
-            scratch%load_work = 0.0_wp
-            scratch%sound = .true.
-            scratch%retired = .false.
-         end associate
-      end do
-      ! a NaN on one rank must stop all: it travels as an infinite speed
-      if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
-      diffusivity = 0.0_wp
-      if (allocated(simulation%effects%conduction)) diffusivity = greatest_diffusivity(simulation)
-      call agree(simulation, fastest, diffusivity, rate, load_work, retired)
-      ! a bound on the work that any particle has received, equation (L.10) of doc/theory/ledger.md
-      simulation%balance%trust%load_work = simulation%balance%trust%load_work + load_work
-      if (fastest >= huge(fastest)) then
-         call name_offending_particle(simulation, text)
-         call fail(error, exit_physics, text)
-         return
-      end if
-      if (retired) call check_retired(simulation%clock, simulation%balance, simulation%machine, &
-         error)
-      if (allocated(error)) return
-      call set_next_step(simulation%space, simulation%scheme, simulation%clock, fastest, &
-         diffusivity, rate)
+      associate (balance => simulation%balance)
+         fastest = 0.0_wp
+         load_work = 0.0_wp
+         sound = .true.
+         retired = .false.
+         call find_rate(simulation%clock%guard, simulation%scratch, rate)
+         do thread = 0, ubound(simulation%scratch, 1)
+            associate (scratch => simulation%scratch(thread))
+               fastest = max(fastest, scratch%fastest)
+               load_work = max(load_work, scratch%load_work)
+               sound = sound .and. scratch%sound
+               retired = retired .or. scratch%retired
+               call balance%ledger%merge(scratch%ledger)
+               call scratch%ledger%clear()
+               scratch%fastest = 0.0_wp
+               scratch%load_work = 0.0_wp
+               scratch%sound = .true.
+               scratch%retired = .false.
+            end associate
+         end do
+         ! a NaN on one rank must stop all: it travels as an infinite speed
+         if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
+         diffusivity = 0.0_wp
+         if (allocated(simulation%effects%conduction)) diffusivity = &
+            greatest_diffusivity(simulation%materials, simulation%stores)
+         call agree_with_ranks(simulation%clock%guard, simulation%machine, fastest, diffusivity, &
+            rate, load_work, retired)
+         ! a bound on the work that any particle has received: (L.10) of doc/theory/ledger.md
+         balance%trust%load_work = balance%trust%load_work + load_work
+         if (fastest >= huge(fastest)) then
+            call name_offending_particle(simulation, text)
+            call fail(error, exit_physics, text)
+            return
+         end if
+         if (retired) call check_retired(simulation%clock, balance%ledger, &
+            simulation%machine%communicator, error)
+         if (allocated(error)) return
+         call set_next_step(simulation%space, simulation%scheme%method, simulation%clock, fastest, &
+            diffusivity, rate)
+      end associate
    end subroutine finish_step
 
    !> Steepest velocity gradient of all threads, and the identity of its particle.
-   subroutine find_rate(simulation, rate)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine find_rate(guard, scratches, rate)
+      type(guard_t), intent(inout) :: guard
+      type(scratch_t), intent(inout) :: scratches(0:)
       real(wp), intent(out) :: rate                  !! Rate on this rank [1/s]
       integer :: thread
       real(wp) :: most
 
       most = 0.0_wp
-      associate (who => simulation%clock%guard%steepest)
+      associate (who => guard%steepest)
          who = huge(who)
-         do thread = 0, ubound(simulation%scratch, 1)
-            associate (scratch => simulation%scratch(thread))
+         do thread = 0, ubound(scratches, 1)
+            associate (scratch => scratches(thread))
                if (scratch%steepest > most) who = huge(who)
                if (scratch%steepest >= most) who = min(who, scratch%steepest_identity)
                most = max(most, scratch%steepest)
@@ -87,8 +95,9 @@ contains
 
    !> Agree with the other ranks on the fastest signal and on requests: the only point in a step
    !! where all ranks wait for each other.
-   subroutine agree(simulation, fastest, diffusivity, rate, load_work, retired)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine agree_with_ranks(guard, machine, fastest, diffusivity, rate, load_work, retired)
+      type(guard_t), intent(inout) :: guard
+      type(machine_t), intent(inout) :: machine
       real(wp), intent(inout) :: fastest !! Greatest speed: of this rank in, of all ranks out [m/s]
       real(wp), intent(inout) :: diffusivity !! Greatest diffusivity: rank in, all out [m2/s]
       real(wp), intent(inout) :: rate                !! Greatest rate: rank in, all out [1/s]
@@ -96,31 +105,31 @@ contains
       logical, intent(inout) :: retired              !! Have particles been removed?
       real(wp) :: values(9)
 
-      if (simulation%machine%communicator%size == 1) return
-      associate (requests => simulation%machine%requests)
+      if (machine%communicator%size == 1) return
+      associate (requests => machine%requests)
          values = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
             rate, merge(1.0_wp, 0.0_wp, retired), requests%present, load_work]
-         call simulation%machine%timer%start(simulation%machine%phase%wait)
-         call simulation%machine%communicator%maxima(values)
-         call simulation%machine%timer%stop(simulation%machine%phase%wait)
+         call machine%timer%start(machine%phase%wait)
+         call machine%communicator%maxima(values)
+         call machine%timer%stop(machine%phase%wait)
          fastest = values(1)
          requests%leave = values(2)
          requests%line = values(3)
          requests%checkpoint = values(4)
          diffusivity = values(5)
-         if (rate < values(6)) simulation%clock%guard%steepest = huge(1_int64)
+         if (rate < values(6)) guard%steepest = huge(1_int64)
          rate = values(6)
          retired = values(7) > 0.0_wp
          requests%present = values(8)
          load_work = values(9)
       end associate
-   end subroutine agree
+   end subroutine agree_with_ranks
 
    !> Stable time step for the fastest signal and the steepest gradient, not growing too fast.
    !! Equation (S.3) of doc/theory/time_step.md.
-   pure subroutine set_next_step(space, scheme, clock, fastest, diffusivity, rate)
+   pure subroutine set_next_step(space, method, clock, fastest, diffusivity, rate)
       type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
+      type(method_t), intent(in) :: method
       type(clock_t), intent(inout) :: clock
       real(wp), intent(in) :: fastest                !! Fastest signal and motion [m/s]
       real(wp), intent(in) :: diffusivity            !! Greatest of all particles [m2/s]
@@ -129,12 +138,12 @@ contains
 
       associate (guard => clock%guard)
          guard%rate = rate
-         call find_stable_step(space, scheme%method%cfl, fastest, diffusivity, dt, guard%rule)
+         call find_stable_step(space, method%cfl, fastest, diffusivity, dt, guard%rule)
          if (rate*dt > guard%bounds%strain_max) then
             dt = guard%bounds%strain_max/rate
             guard%rule = rule_strain
          end if
-         grown = scheme%method%step_growth*clock%dt_next
+         grown = method%step_growth*clock%dt_next
          if (grown < dt) guard%rule = rule_growth
          clock%dt_next = min(dt, grown)
       end associate
@@ -173,20 +182,21 @@ contains
    end function conduction_step
 
    !> Greatest diffusivity [m2/s] of the particles of this rank.
-   real(wp) function greatest_diffusivity(simulation) result(greatest)
-      type(simulation_t), intent(in) :: simulation
+   real(wp) function greatest_diffusivity(materials, stores) result(greatest)
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(in) :: stores(:)
       real(wp) :: conductivity, specific_heat
       integer :: index, tile, p
 
       greatest = 0.0_wp
-      do index = 1, size(simulation%stores)
-         if (.not. conducts(simulation%materials, index)) cycle
-         conductivity = simulation%materials(index)%heat%conductivity
-         specific_heat = simulation%materials(index)%heat%specific_heat
+      do index = 1, size(stores)
+         if (.not. conducts_heat(materials(index))) cycle
+         conductivity = materials(index)%heat%conductivity
+         specific_heat = materials(index)%heat%specific_heat
          !$omp parallel do default(none) private(tile, p) reduction(max:greatest) &
-         !$omp shared(simulation, index, conductivity, specific_heat) schedule(static)
-         do tile = 1, size(simulation%stores(index)%count)
-            associate (store => simulation%stores(index))
+         !$omp shared(stores, index, conductivity, specific_heat) schedule(static)
+         do tile = 1, size(stores(index)%count)
+            associate (store => stores(index))
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   greatest = max(greatest, conductivity*bulk_volume(store, p) &
                      /(store%state%mass(p)*specific_heat))

@@ -10,14 +10,13 @@
 module step_body_force
    use base_elementary, only: cross
    use base_kinds, only: wp
-   use exact_solution, only: exact_t
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
-   use step_ledger, only: external_work, impulse, torque
+   use step_method, only: method_t
    use step_particles_to_nodes, only: find_loads, locate_particles
-   use step_simulation, only: clock_t, scheme_t, scratch_t, simulation_effects_t, simulation_t, &
-      velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_simulation, only: clock_t, machine_t, scheme_t, scratch_t, simulation_effects_t, &
+      space_t, velocity_field_t
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -26,97 +25,100 @@ module step_body_force
 contains
 
    !> Set gravity to its mean over the time in which the forces of a step act.
-   pure subroutine average_gravity(scheme, effects, clock)
-      type(scheme_t), intent(in) :: scheme
+   pure subroutine average_gravity(method, effects, clock)
+      type(method_t), intent(in) :: method
       type(simulation_effects_t), intent(inout) :: effects
       type(clock_t), intent(in) :: clock
       real(wp) :: from
 
       if (.not. allocated(effects%shaking)) return
-      from = clock%time - scheme%method%lag(clock%dt)
+      from = clock%time - method%lag(clock%dt)
       if (clock%kick > 0.0_wp) &
          effects%gravity = effects%shaking%mean(from, clock%kick)
    end subroutine average_gravity
 
    !> Set gravity to that of the present time.
-   pure subroutine update_gravity(simulation)
-      type(simulation_t), intent(inout) :: simulation
+   pure subroutine update_gravity(effects, clock)
+      type(simulation_effects_t), intent(inout) :: effects
+      type(clock_t), intent(in) :: clock
 
-      if (allocated(simulation%effects%shaking)) &
-         simulation%effects%gravity = simulation%effects%shaking%velocity(simulation%clock%time)
+      if (allocated(effects%shaking)) effects%gravity = effects%shaking%velocity(clock%time)
    end subroutine update_gravity
 
    !> Record impulse, its moment and work of the body force, particle by particle. The particles are
    !! at the positions at which they gave the force to the nodes, and the mean velocities are known.
-   subroutine record_body_force(simulation, field, dt)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine record_body_force(space, stores, scheme, effects, machine, scratches, field, dt)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
+      type(machine_t), intent(inout) :: machine
+      type(scratch_t), intent(inout) :: scratches(0:)
+      type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp) :: began
       integer :: tile
 
-      !$omp parallel do default(none) shared(simulation, field, dt) private(began, tile) &
-      !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%space%tiles%own
-         began = cost_clock(simulation%machine)
-         call record_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call record_cost(simulation%machine, tile, began)
+      !$omp parallel do default(none) shared(space, stores, scheme, effects, machine, scratches, &
+      !$omp field, dt) private(tile) schedule(dynamic, 1)
+      do tile = 1, space%tiles%own
+         call start_cost(machine, tile)
+         call record_tile(space, stores, scheme, effects, field, scratches(omp_get_thread_num()), &
+            tile, dt)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine record_body_force
 
    !> One tile.
-   subroutine record_tile(simulation, field, scratch, tile, dt)
-      type(simulation_t), intent(in) :: simulation
+   subroutine record_tile(space, stores, scheme, effects, field, scratch, tile, dt)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp) :: carry(3, simulation%space%grid%tile_nodes)
+      real(wp) :: carry(3, space%grid%tile_nodes)
       real(wp) :: total(3), turn(3), work, point(3), force(3), place(3)
       integer :: index, p, q, k
 
-      total = 0.0_wp
-      turn = 0.0_wp
-      work = 0.0_wp
-      carry = field%nodes%motion%velocity(:, :, tile) &
-         + 0.5_wp*dt*field%nodes%motion%acceleration(:, :, tile)
-      do index = 1, size(simulation%stores)
-         if (simulation%stores(index)%count(tile) == 0) cycle
-         if (.not. allocated(simulation%effects%exact%material(index)%solution)) cycle
-         associate (store => simulation%stores(index), &
-            solution => simulation%effects%exact%material(index)%solution)
-            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
-            call simulation%scheme%method%basis%gather_values(simulation%space%grid, &
-               scratch%shape, carry, &
-               scratch%shape%vector)
-            do p = 1, store%count(tile)
-               q = store%first(tile) + p - 1
-               do k = 1, 3
-                  point(k) = store%origin%reference(q, k)
-                  place(k) = store%position(q, k)
+      associate (exact => effects%exact, motion => field%nodes%motion, method => scheme%method)
+         total = 0.0_wp
+         turn = 0.0_wp
+         work = 0.0_wp
+         carry = motion%velocity(:, :, tile) + 0.5_wp*dt*motion%acceleration(:, :, tile)
+         do index = 1, size(stores)
+            if (stores(index)%count(tile) == 0) cycle
+            if (.not. allocated(exact%material(index)%solution)) cycle
+            associate (store => stores(index), solution => exact%material(index)%solution)
+               call locate_particles(space, scheme, field, scratch, store, tile)
+               call method%basis%gather_values(space%grid, scratch%shape, carry, &
+                  scratch%shape%vector)
+               do p = 1, store%count(tile)
+                  q = store%first(tile) + p - 1
+                  point = [(store%origin%reference(q, k), k=1, 3)]
+                  place = [(store%position(q, k), k=1, 3)]
+                  call solution%body_force(point, exact%force_time, force)
+                  force = store%state%mass(q)*dt*force
+                  total = total + force
+                  turn = turn + cross(place, force)
+                  work = work + force(1)*scratch%shape%vector(p, 1) &
+                     + force(2)*scratch%shape%vector(p, 2) + force(3)*scratch%shape%vector(p, 3)
                end do
-               call solution%body_force(point, simulation%effects%exact%force_time, force)
-               force = store%state%mass(q)*dt*force
-               total = total + force
-               turn = turn + cross(place, force)
-               do k = 1, 3
-                  work = work + force(k)*scratch%shape%vector(p, k)
-               end do
-            end do
-         end associate
-      end do
-      do k = 1, 3
-         call scratch%ledger%sums(impulse + k - 1)%add(total(k))
-         call scratch%ledger%sums(torque + k - 1)%add(turn(k))
-      end do
-      call scratch%ledger%sums(external_work)%add(work)
+            end associate
+         end do
+         call scratch%ledger%record_impulse(total, turn, work)
+      end associate
    end subroutine record_tile
 
    !> Record impulse, its moment and work of the loads on surfaces, particle by particle, with the
    !! gradient that is adjoint to the force. Equation (O.6) of doc/theory/instruments.md.
-   subroutine record_loads(simulation, scratch, store, tile, centre)
-      type(simulation_t), intent(in) :: simulation   !! With loads
+   subroutine record_loads(space, method, effects, clock, scratch, store, tile, centre)
+      type(space_t), intent(in) :: space
+      type(method_t), intent(in) :: method
+      type(simulation_effects_t), intent(in) :: effects
+      type(clock_t), intent(in) :: clock
       !> Of this thread: particles located, and the gradient of the velocity times the kick
       type(scratch_t), intent(inout) :: scratch
       type(store_t), intent(in) :: store
@@ -125,9 +127,8 @@ contains
       real(wp) :: total(3), turn(3), work, force(3), place(3), given
       integer :: p, q, k
 
-      call find_loads(simulation, scratch, store, tile)
-      call simulation%scheme%method%basis%gather_values(simulation%space%grid, scratch%shape, &
-         centre, scratch%shape%vector)
+      call find_loads(space, effects, scratch, store, tile)
+      call method%basis%gather_values(space%grid, scratch%shape, centre, scratch%shape%vector)
       total = 0.0_wp
       turn = 0.0_wp
       work = 0.0_wp
@@ -140,7 +141,7 @@ contains
                + load(p, 5)*(gradient(p, 6) + gradient(p, 8)) &
                + load(p, 6)*(gradient(p, 3) + gradient(p, 7)))
             do k = 1, 3
-               force(k) = simulation%clock%kick*store%state%volume(q)*scratch%pushed%density(p, k)
+               force(k) = clock%kick*store%state%volume(q)*scratch%pushed%density(p, k)
                place(k) = store%position(q, k)
                given = given + force(k)*scratch%shape%vector(p, k)
             end do
@@ -150,10 +151,6 @@ contains
             scratch%load_work = max(scratch%load_work, given/store%state%mass(q))
          end do
       end associate
-      do k = 1, 3
-         call scratch%ledger%sums(impulse + k - 1)%add(total(k))
-         call scratch%ledger%sums(torque + k - 1)%add(turn(k))
-      end do
-      call scratch%ledger%sums(external_work)%add(work)
+      call scratch%ledger%record_impulse(total, turn, work)
    end subroutine record_loads
 end module step_body_force

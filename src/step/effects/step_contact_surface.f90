@@ -7,19 +7,20 @@
 !! patches.
 module step_contact_surface
    use base_kinds, only: wp
+   use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
+   use step_method, only: method_t
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: contact_t, guesses, machine_t, scratch_t, simulation_effects_t, &
-      simulation_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_simulation, only: contact_t, guesses, machine_t, scratch_t, simulation_t, space_t, &
+      velocity_field_t
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_contact, only: find_reach, particle_widths
    use transfer_scatter, only: motion_columns
    use transfer_side_kernels, only: add_side_areas, find_side_reach
-   use transfer_sides, only: sides_t
    implicit none
    private
 
@@ -34,20 +35,21 @@ contains
       type(simulation_t), intent(inout) :: simulation !! Fields have their masses
       integer :: fields, rows
 
-      fields = size(simulation%fields)
-      rows = area_rows(simulation%effects%contact)*fields
-      call simulation%machine%timer%start(simulation%machine%phase%contact)
-      call find_meetings(simulation%space, simulation%fields, simulation%effects, &
-         simulation%machine)
-      associate (contact => simulation%effects%contact, number => simulation%space%grid%tile_nodes)
-         call ensure_patch(contact%outward, rows, number, simulation%space%tiles%own)
-         call spread(simulation, spread_area, contact%outward)
-         call ensure_patch(contact%area, rows, number, simulation%space%tiles%all)
-         call sum_areas(simulation)
-         call ensure_patch(contact%reach, guesses*fields**2, number, simulation%space%tiles%own)
-         call spread(simulation, spread_positions, contact%reach)
+      associate (space => simulation%space, machine => simulation%machine)
+         fields = size(simulation%fields)
+         rows = area_rows(simulation%effects%contact)*fields
+         call machine%timer%start(machine%phase%contact)
+         call find_meetings(space, simulation%fields, simulation%effects%contact, machine)
+         associate (contact => simulation%effects%contact, number => space%grid%tile_nodes)
+            call ensure_patch(contact%outward, rows, number, space%tiles%own)
+            call sum_patches(simulation, scatter_areas, contact%outward)
+            call ensure_patch(contact%area, rows, number, space%tiles%all)
+            call sum_areas(space, simulation%effects%contact, machine)
+            call ensure_patch(contact%reach, guesses*fields**2, number, space%tiles%own)
+            call sum_patches(simulation, scatter_extents, contact%reach)
+         end associate
+         call machine%timer%stop(machine%phase%contact)
       end associate
-      call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine find_contact_surfaces
 
    !> Rows of the patch of areas, for one field.
@@ -58,39 +60,36 @@ contains
    end function area_rows
 
    !> Own tiles with nodes that several fields share.
-   subroutine find_meetings(space, fields, effects, machine)
+   subroutine find_meetings(space, fields, contact, machine)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: fields(:)
-      type(simulation_effects_t), intent(inout) :: effects
+      type(contact_t), intent(inout) :: contact
       type(machine_t), intent(inout) :: machine
       integer :: tile, field
-      real(wp) :: began
       integer :: here(space%grid%tile_nodes)
 
-      if (allocated(effects%contact%meets)) then
-         if (size(effects%contact%meets) < space%tiles%all) &
-            deallocate (effects%contact%meets)
+      if (allocated(contact%meets)) then
+         if (size(contact%meets) < space%tiles%all) deallocate (contact%meets)
       end if
-      if (.not. allocated(effects%contact%meets)) allocate (effects%contact%meets( &
-         space%tiles%all + space%tiles%all/16))
-      !$omp parallel do default(none) shared(space, fields, effects, machine) &
-      !$omp private(tile, field, here, began) &
-      !$omp schedule(static)
+      if (.not. allocated(contact%meets)) &
+         allocate (contact%meets(space%tiles%all + space%tiles%all/16))
+      !$omp parallel do default(none) shared(space, fields, contact, machine) &
+      !$omp private(tile, field, here) schedule(static)
       do tile = 1, space%tiles%all
-         began = cost_clock(machine)
+         call start_cost(machine, tile)
          here = 0
          do field = 1, size(fields)
             where (fields(field)%nodes%motion%mass(1, :, tile) > empty_mass) &
                here = here + 1
          end do
-         effects%contact%meets(tile) = any(here > 1)
-         call record_cost(machine, tile, began)
+         contact%meets(tile) = any(here > 1)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine find_meetings
 
    !> Scatter a quantity of the particles to patches, and receive the patches of other ranks.
-   subroutine spread(simulation, work, patch)
+   subroutine sum_patches(simulation, work, patch)
       type(simulation_t), intent(inout) :: simulation
       interface
          subroutine work(simulation, scratch, tile, patch)
@@ -104,27 +103,26 @@ contains
       end interface
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
       integer, allocatable :: tiles(:)
-      real(wp) :: began
       integer :: part, n
 
       do part = edge_tiles, inner_tiles
-         call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, tiles, patch) private(n, began) &
+         call next_tiles(simulation%space, simulation%machine%communicator, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles, patch) private(n) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation%machine)
+            call start_cost(simulation%machine, tiles(n))
             call work(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
                patch(:, :, tiles(n)))
-            call record_cost(simulation%machine, tiles(n), began)
+            call stop_cost(simulation%machine, tiles(n))
          end do
          !$omp end parallel do
-         call send_patches(simulation, part, patch)
+         call send_patches(simulation%space, simulation%machine, part, patch)
       end do
-   end subroutine spread
+   end subroutine sum_patches
 
    !> Outward areas of the particles of a tile: the node forces of unit pressure. With bonds, also
    !! the mass of the particles whose bonds hold. Equation (C.1).
-   subroutine spread_area(simulation, scratch, tile, patch)
+   subroutine scatter_areas(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
@@ -132,41 +130,44 @@ contains
       real(wp) :: wide(motion_columns, simulation%space%grid%tile_nodes)
       integer :: field, index, rows, before
 
-      call clear_patch(patch)
-      if (.not. simulation%effects%contact%meets(tile)) return
-      rows = area_rows(simulation%effects%contact)
-      do field = 1, size(simulation%fields)
-         before = rows*(field - 1)
-         call clear_patch(wide)
-         do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
-            if (simulation%stores(index)%count(tile) == 0) cycle
-            associate (store => simulation%stores(index), grid => simulation%space%grid, &
-               basis => simulation%scheme%method%basis, pushed => scratch%pushed, &
-               start => simulation%stores(index)%cell_start(:, tile))
-               call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, &
-                  tile)
-               call pushed%copy(store%first(tile), store%count(tile), store%position, &
-                  store%state%volume, store%state%stress)
-               call pushed%make_unit(store%count(tile))
-               call basis%scatter_stress(grid, scratch%shape, 1, pushed%volume, pushed%stress, wide)
-               if (grid%axisymmetric) call basis%scatter_hoop(grid, scratch%shape, 1, &
+      associate (space => simulation%space, grid => simulation%space%grid, &
+         contact => simulation%effects%contact, method => simulation%scheme%method, &
+         fields => simulation%fields, stores => simulation%stores, pushed => scratch%pushed)
+         call clear_patch(patch)
+         if (.not. contact%meets(tile)) return
+         rows = area_rows(contact)
+         do field = 1, size(fields)
+            before = rows*(field - 1)
+            call clear_patch(wide)
+            do index = fields(field)%first_store, fields(field)%last_store
+               if (stores(index)%count(tile) == 0) cycle
+               call locate_particles_plainly(space, method, scratch, stores(index), tile)
+               call pushed%copy(stores(index)%first(tile), stores(index)%count(tile), &
+                  stores(index)%position, stores(index)%state%volume, stores(index)%state%stress)
+               call pushed%make_unit(stores(index)%count(tile))
+               call method%basis%scatter_stress(grid, scratch%shape, 1, pushed%volume, &
+                  pushed%stress, wide)
+               if (grid%axisymmetric) call method%basis%scatter_hoop(grid, scratch%shape, 1, &
                   pushed%position, pushed%volume, pushed%stress, wide)
-               if (allocated(store%bond)) then
-                  call hold(store, tile, scratch%shape%values)
-                  call basis%scatter_values(grid, scratch%shape, 1, scratch%shape%values, before &
-                     + 3, patch)
+               if (allocated(stores(index)%bond)) then
+                  call find_bonded_mass(stores(index), tile, scratch%shape%values)
+                  call method%basis%scatter_values(grid, scratch%shape, 1, scratch%shape%values, &
+                     before + 3, patch)
                end if
-            end associate
+            end do
+            if (fields(field)%other > 0) call area_of_side(space, stores, fields, method, scratch, &
+               tile, field, wide(5:7, :))
+            patch(before + 1:before + 3, :) = -wide(5:7, :)
          end do
-         if (simulation%fields(field)%other > 0) call area_of_side(simulation, scratch, tile, &
-            field, wide(5:7, :))
-         patch(before + 1:before + 3, :) = -wide(5:7, :)
-      end do
-   end subroutine spread_area
+      end associate
+   end subroutine scatter_areas
 
    !> Areas of one of two sides at the parted nodes of a tile, in place of those of both together.
-   subroutine area_of_side(simulation, scratch, tile, field, inward)
-      type(simulation_t), intent(in) :: simulation
+   subroutine area_of_side(space, stores, fields, method, scratch, tile, field, inward)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(method_t), intent(in) :: method
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       integer, intent(in) :: field                   !! Index of the velocity field of the side
@@ -174,18 +175,17 @@ contains
       real(wp) :: area(3, size(inward, 2))
       integer :: first, n, node, side
 
-      side = side_of(simulation%fields, field)
-      first = first_side(simulation%fields, field)
-      associate (sides => simulation%fields(first)%sides)
+      side = side_of(fields, field)
+      first = first_side(fields, field)
+      associate (sides => fields(first)%sides)
          if (.not. sides%cut(tile)) return
          area = 0.0_wp
          do n = 1, size(sides%store)
-            associate (store => simulation%stores(sides%before + n))
+            associate (store => stores(sides%before + n))
                if (store%count(tile) == 0) cycle
-               call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, &
-                  tile)
-               call add_side_areas(simulation%space%grid, scratch%shape, store, tile, &
-                  sides%store(n)%other, sides%split(:, tile), side, area)
+               call locate_particles_plainly(space, method, scratch, store, tile)
+               call add_side_areas(space%grid, scratch%shape, store, tile, sides%store(n)%other, &
+                  sides%split(:, tile), side, area)
             end associate
          end do
          do node = 1, size(area, 2)
@@ -212,7 +212,7 @@ contains
    end function side_of
 
    !> Mass of the particles of a tile whose bonds hold, in the first column.
-   pure subroutine hold(store, tile, values)
+   pure subroutine find_bonded_mass(store, tile, values)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(inout) :: values(:, :)        !! (particle of the tile, column) [kg]
@@ -222,47 +222,45 @@ contains
          q = store%first(tile) + p - 1
          values(p, 1) = store%state%mass(q)*store%bond(q)
       end do
-   end subroutine hold
+   end subroutine find_bonded_mass
 
    !> Areas of the nodes of all tiles; boundaries of the domain are not surfaces.
-   subroutine sum_areas(simulation)
-      type(simulation_t), intent(inout) :: simulation
-      real(wp) :: began
+   subroutine sum_areas(space, contact, machine)
+      type(space_t), intent(in) :: space
+      type(contact_t), intent(inout) :: contact
+      type(machine_t), intent(inout) :: machine
       integer :: tile
 
-      !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(static)
-      do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation%machine)
-         call sum_tile(simulation, tile)
-         call record_cost(simulation%machine, tile, began)
+      !$omp parallel do default(none) shared(space, contact, machine) private(tile) schedule(static)
+      do tile = 1, space%tiles%all
+         call start_cost(machine, tile)
+         call sum_tile(space, contact, tile)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
    end subroutine sum_areas
 
    !> One tile.
-   subroutine sum_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine sum_tile(space, contact, tile)
+      type(space_t), intent(in) :: space
+      type(contact_t), intent(inout) :: contact
       integer, intent(in) :: tile
-      real(wp) :: tensor(9, simulation%space%grid%tile_nodes)
+      real(wp) :: tensor(9, space%grid%tile_nodes)
       integer :: field, before, k
 
-      if (.not. simulation%effects%contact%meets(tile)) return
-      associate (contact => simulation%effects%contact)
-         call assemble(simulation%space%grid, simulation%space%tiles, contact%outward, tile, &
-            contact%area(:, :, tile))
-         do field = 1, size(contact%law, 1)
-            before = area_rows(contact)*(field - 1)
-            tensor = 0.0_wp
-            do k = 1, 3
-               tensor(3*k - 2, :) = contact%area(before + k, :, tile)
-            end do
-            call simulation%space%boundary%insulate(simulation%space%grid, &
-               simulation%space%tiles%coordinate(:, tile), tensor)
-            do k = 1, 3
-               contact%area(before + k, :, tile) = tensor(3*k - 2, :)
-            end do
+      if (.not. contact%meets(tile)) return
+      call assemble(space%grid, space%tiles, contact%outward, tile, contact%area(:, :, tile))
+      do field = 1, size(contact%law, 1)
+         before = area_rows(contact)*(field - 1)
+         tensor = 0.0_wp
+         do k = 1, 3
+            tensor(3*k - 2, :) = contact%area(before + k, :, tile)
          end do
-      end associate
+         call space%boundary%insulate(space%grid, space%tiles%coordinate(:, tile), tensor)
+         do k = 1, 3
+            contact%area(before + k, :, tile) = tensor(3*k - 2, :)
+         end do
+      end do
    end subroutine sum_tile
 
    !> A candidate for the common area of two fields at a node, outward from the first [m2]: the area
@@ -300,19 +298,18 @@ contains
    end function reach_row
 
    !> Its direction; zero where the area is too small to have one.
-   pure function direction_of(space, area) result(normal)
-      type(space_t), intent(in) :: space
+   pure function direction_of(grid, area) result(normal)
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: area(3)                !! [m2]
       real(wp) :: normal(3), length
 
       normal = 0.0_wp
       length = norm2(area)
-      if (length > faint*space%grid%depth &
-         *space%grid%spacing**(space%grid%dimensions - 1)) normal = area/length
+      if (length > faint*grid%depth *grid%spacing**(grid%dimensions - 1)) normal = area/length
    end function direction_of
 
    !> Extent of the particles of a tile towards each other field.
-   subroutine spread_positions(simulation, scratch, tile, patch)
+   subroutine scatter_extents(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
@@ -321,28 +318,35 @@ contains
          reach(simulation%space%grid%tile_nodes)
       integer :: a, b, guess
 
-      patch = -huge(1.0_wp)
-      if (.not. simulation%effects%contact%meets(tile)) return
-      do b = 2, size(simulation%fields)
-         do a = 1, b - 1
-            do guess = 1, guesses
-               call find_normals(simulation, tile, a, b, guess, normal)
-               if (.not. any(abs(normal) > 0.0_wp)) cycle
-               reach = -huge(1.0_wp)
-               call reach_of_both(simulation, scratch, tile, a, normal, reach)
-               patch(reach_row(simulation%effects%contact, a, b, guess), :) = reach
-               normal = -normal
-               reach = -huge(1.0_wp)
-               call reach_of_both(simulation, scratch, tile, b, normal, reach)
-               patch(reach_row(simulation%effects%contact, b, a, guess), :) = reach
+      associate (contact => simulation%effects%contact, fields => simulation%fields)
+         patch = -huge(1.0_wp)
+         if (.not. contact%meets(tile)) return
+         do b = 2, size(fields)
+            do a = 1, b - 1
+               do guess = 1, guesses
+                  call find_normals(simulation%space%grid, fields, contact, tile, a, b, &
+                     guess, normal)
+                  if (.not. any(abs(normal) > 0.0_wp)) cycle
+                  reach = -huge(1.0_wp)
+                  call reach_of_both(simulation%space, simulation%stores, fields, &
+                     simulation%scheme%method, scratch, tile, a, normal, reach)
+                  patch(reach_row(contact, a, b, guess), :) = reach
+                  normal = -normal
+                  reach = -huge(1.0_wp)
+                  call reach_of_both(simulation%space, simulation%stores, fields, &
+                     simulation%scheme%method, scratch, tile, b, normal, reach)
+                  patch(reach_row(contact, b, a, guess), :) = reach
+               end do
             end do
          end do
-      end do
-   end subroutine spread_positions
+      end associate
+   end subroutine scatter_extents
 
    !> Candidate normals from one field to another at the nodes of a tile where both have mass.
-   subroutine find_normals(simulation, tile, a, b, guess, normal)
-      type(simulation_t), intent(in) :: simulation
+   subroutine find_normals(grid, fields, contact, tile, a, b, guess, normal)
+      type(grid_t), intent(in) :: grid
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(contact_t), intent(in) :: contact
       integer, intent(in) :: tile
       integer, intent(in) :: a, b                    !! From which field to which, a < b
       integer, intent(in) :: guess                   !! 1 to 3
@@ -350,68 +354,55 @@ contains
       integer :: node
 
       normal = 0.0_wp
-      associate (contact => simulation%effects%contact, fields => simulation%fields)
-         do node = 1, size(normal, 2)
-            if (.not. fields(a)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
-            if (.not. fields(b)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
-            normal(:, node) = direction_of(simulation%space, &
-               guess_area(contact, tile, node, a, b, guess))
-         end do
-      end associate
+      do node = 1, size(normal, 2)
+         if (.not. fields(a)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
+         if (.not. fields(b)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
+         normal(:, node) = direction_of(grid, guess_area(contact, tile, node, a, b, guess))
+      end do
    end subroutine find_normals
 
    !> Extent of the particles of one field in a tile along the normals, of one side where nodes have
    !! parted.
-   subroutine reach_of_both(simulation, scratch, tile, field, normal, reach)
-      type(simulation_t), intent(in) :: simulation
+   subroutine reach_of_both(space, stores, fields, method, scratch, tile, field, normal, reach)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(method_t), intent(in) :: method
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       integer, intent(in) :: field                   !! Index of the velocity field
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
       real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
       real(wp) :: joint(3, size(reach))
-      integer :: first, node
+      integer :: first, node, n
 
-      if (simulation%fields(field)%other == 0) then
-         call reach_of_field(simulation%space, simulation%stores, simulation%fields, scratch, &
-            tile, field, normal, reach)
+      if (fields(field)%other == 0) then
+         call reach_of_field(space, stores, fields, scratch, tile, field, normal, reach)
          return
       end if
-      first = first_side(simulation%fields, field)
-      associate (sides => simulation%fields(first)%sides)
+      first = first_side(fields, field)
+      associate (sides => fields(first)%sides)
          joint = normal
          do node = 1, size(reach)
             if (sides%split(node, tile)) joint(:, node) = 0.0_wp
          end do
-         call reach_of_field(simulation%space, simulation%stores, simulation%fields, scratch, &
-            tile, field, joint, reach)
-         if (sides%cut(tile)) call reach_of_side(simulation, scratch, sides, tile, &
-            side_of(simulation%fields, field), normal, reach)
+         call reach_of_field(space, stores, fields, scratch, tile, field, joint, reach)
+         if (sides%cut(tile)) then
+            ! the same of one side at the parted nodes
+            do n = 1, size(sides%store)
+               associate (store => stores(sides%before + n), grid => space%grid)
+                  if (store%count(tile) == 0) cycle
+                  call locate_particles_plainly(space, method, scratch, store, tile)
+                  call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
+                     store%state%volume, scratch%shape%values(:, 1))
+                  call find_side_reach(grid, scratch%shape, store%first(tile), &
+                     sides%store(n)%other, sides%split(:, tile), side_of(fields, field), &
+                     scratch%shape%values(:, 1), normal, reach)
+               end associate
+            end do
+         end if
       end associate
    end subroutine reach_of_both
-
-   !> The same of one side at the parted nodes.
-   subroutine reach_of_side(simulation, scratch, sides, tile, side, normal, reach)
-      type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
-      type(sides_t), intent(in) :: sides             !! The two sides of the field
-      integer, intent(in) :: tile
-      integer, intent(in) :: side                    !! 0 or 1
-      real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
-      real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
-      integer :: n
-
-      do n = 1, size(sides%store)
-         associate (store => simulation%stores(sides%before + n), grid => simulation%space%grid)
-            if (store%count(tile) == 0) cycle
-            call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
-            call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
-               store%state%volume, scratch%shape%values(:, 1))
-            call find_side_reach(grid, scratch%shape, store%first(tile), sides%store(n)%other, &
-               sides%split(:, tile), side, scratch%shape%values(:, 1), normal, reach)
-         end associate
-      end do
-   end subroutine reach_of_side
 
    !> Extent of the particles of one field in a tile along the normals.
    subroutine reach_of_field(space, stores, fields, scratch, tile, field, normal, reach)

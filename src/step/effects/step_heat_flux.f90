@@ -12,16 +12,18 @@
 !! other, and no flux crosses surfaces and boundaries. Equation (M.23) of doc/theory/method.md.
 module step_heat_flux
    use base_kinds, only: wp
+   use material_type, only: material_t
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
+   use step_method, only: method_t
    use step_node_fields, only: empty_mass
-   use step_node_sums, only: divide
+   use step_node_sums, only: divide_nodes
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_simulation, only: heat_flux_t, scratch_t, simulation_t, space_t
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
@@ -36,60 +38,61 @@ contains
    subroutine add_artificial_heat_flux(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! With artificial viscosity
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: began
       integer :: index, tile
 
-      call simulation%machine%timer%start(simulation%machine%phase%grid)
-      associate (heat => simulation%effects%heat_flux, number => simulation%space%grid%tile_nodes)
-         call ensure_patch(heat%content, content, number, simulation%space%tiles%own)
-         call ensure_patch(heat%flux, 1, number, simulation%space%tiles%own)
-         call ensure_patch(heat%total, passed, number, simulation%space%tiles%own)
+      associate (space => simulation%space, machine => simulation%machine, &
+         heat => simulation%effects%heat_flux)
+         call machine%timer%start(machine%phase%grid)
+         associate (number => space%grid%tile_nodes)
+            call ensure_patch(heat%content, content, number, space%tiles%own)
+            call ensure_patch(heat%flux, 1, number, space%tiles%own)
+            call ensure_patch(heat%total, passed, number, space%tiles%own)
+         end associate
+         do index = 1, size(simulation%stores)
+            if (.not. has_heat_flux(simulation%stores(index))) cycle
+            call sum_patches(simulation, index, dt, scatter_energy, heat%content)
+            !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+            do tile = 1, simulation%space%tiles%own
+               call start_cost(simulation%machine, tile)
+               call find_energy(simulation%space, simulation%effects%heat_flux, tile)
+               call stop_cost(simulation%machine, tile)
+            end do
+            !$omp end parallel do
+            call sum_patches(simulation, index, dt, scatter_conductance, heat%flux)
+            !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
+            do tile = 1, simulation%space%tiles%own
+               call start_cost(simulation%machine, tile)
+               call find_passed(simulation%space, simulation%effects%heat_flux, tile, dt)
+               call stop_cost(simulation%machine, tile)
+            end do
+            !$omp end parallel do
+            call sum_patches(simulation, index, dt, scatter_flux, heat%flux)
+            !$omp parallel do default(none) shared(simulation, index, dt) private(tile) &
+            !$omp schedule(dynamic, 1)
+            do tile = 1, simulation%space%tiles%own
+               call start_cost(simulation%machine, tile)
+               if (simulation%stores(index)%count(tile) > 0) call give_energy(simulation%space, &
+                  simulation%materials(index), simulation%stores(index), simulation%scheme%method, &
+                  simulation%effects%heat_flux, simulation%scratch(omp_get_thread_num()), tile, dt)
+               call stop_cost(simulation%machine, tile)
+            end do
+            !$omp end parallel do
+         end do
+         call machine%timer%stop(machine%phase%grid)
       end associate
-      do index = 1, size(simulation%stores)
-         if (.not. flows(simulation, index)) cycle
-         call each_own(simulation, index, dt, spread_energy, simulation%effects%heat_flux%content)
-         !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(static)
-         do tile = 1, simulation%space%tiles%own
-            began = cost_clock(simulation%machine)
-            call find_energy(simulation, tile)
-            call record_cost(simulation%machine, tile, began)
-         end do
-         !$omp end parallel do
-         call each_own(simulation, index, dt, spread_conductance, simulation%effects%heat_flux%flux)
-         !$omp parallel do default(none) shared(simulation, dt) private(began, tile) &
-         !$omp schedule(static)
-         do tile = 1, simulation%space%tiles%own
-            began = cost_clock(simulation%machine)
-            call find_passed(simulation, tile, dt)
-            call record_cost(simulation%machine, tile, began)
-         end do
-         !$omp end parallel do
-         call each_own(simulation, index, dt, spread_flux, simulation%effects%heat_flux%flux)
-         !$omp parallel do default(none) shared(simulation, index, dt) private(began, tile) &
-         !$omp schedule(dynamic, 1)
-         do tile = 1, simulation%space%tiles%own
-            began = cost_clock(simulation%machine)
-            if (simulation%stores(index)%count(tile) > 0) call give_energy(simulation, &
-               simulation%scratch(omp_get_thread_num()), index, tile, dt)
-            call record_cost(simulation%machine, tile, began)
-         end do
-         !$omp end parallel do
-      end do
-      call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine add_artificial_heat_flux
 
    !> Does the energy of a material flow?
-   pure logical function flows(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation
-      integer, intent(in) :: index                   !! Index of the material and of its store
+   pure logical function has_heat_flux(store) result(yes)
+      type(store_t), intent(in) :: store
 
-      associate (state => simulation%stores(index)%state)
+      associate (state => store%state)
          yes = allocated(state%energy) .and. allocated(state%viscous_pressure)
       end associate
-   end function flows
+   end function has_heat_flux
 
    !> Fill the patches of all own tiles, and receive those of other ranks.
-   subroutine each_own(simulation, index, dt, work, patch)
+   subroutine sum_patches(simulation, index, dt, work, patch)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: index                   !! Index of the material and of its store
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -106,28 +109,27 @@ contains
          end subroutine work
       end interface
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
-      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
       do part = edge_tiles, inner_tiles
-         call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, index, dt, tiles, patch) &
-         !$omp private(began, n) schedule(dynamic, 1)
+         call next_tiles(simulation%space, simulation%machine%communicator, part, tiles)
+         !$omp parallel do default(none) shared(simulation, index, dt, tiles, patch) private(n) &
+         !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation%machine)
+            call start_cost(simulation%machine, tiles(n))
             call clear_patch(patch(:, :, tiles(n)))
             if (simulation%stores(index)%count(tiles(n)) > 0) call work(simulation, &
                simulation%scratch(omp_get_thread_num()), index, tiles(n), dt, patch(:, :, tiles(n)))
-            call record_cost(simulation%machine, tiles(n), began)
+            call stop_cost(simulation%machine, tiles(n))
          end do
          !$omp end parallel do
-         call send_patches(simulation, part, patch)
+         call send_patches(simulation%space, simulation%machine, part, patch)
       end do
-   end subroutine each_own
+   end subroutine sum_patches
 
    !> Mass, and energy above zero, of the particles of a tile.
-   subroutine spread_energy(simulation, scratch, index, tile, dt, patch)
+   subroutine scatter_energy(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
@@ -136,31 +138,31 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer :: p, q
 
-      associate (store => simulation%stores(index), shape => scratch%shape)
-         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
+      associate (space => simulation%space, method => simulation%scheme%method, &
+         store => simulation%stores(index), shape => scratch%shape)
+         call locate_particles_plainly(space, method, scratch, store, tile)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             shape%values(p, mass) = store%state%mass(q)
             shape%values(p, content) = store%state%mass(q)*max(store%state%energy(q), 0.0_wp)
          end do
-         call simulation%scheme%method%basis%scatter_values(simulation%space%grid, shape, content, &
-            shape%values, 0, patch)
+         call method%basis%scatter_values(space%grid, shape, content, shape%values, 0, patch)
       end associate
-   end subroutine spread_energy
+   end subroutine scatter_energy
 
    !> Mass and energy of the nodes of a tile.
-   subroutine find_energy(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine find_energy(space, heat, tile)
+      type(space_t), intent(in) :: space
+      type(heat_flux_t), intent(inout) :: heat
       integer, intent(in) :: tile
-      real(wp) :: sums(content, simulation%space%grid%tile_nodes)
+      real(wp) :: sums(content, space%grid%tile_nodes)
 
-      call assemble(simulation%space%grid, simulation%space%tiles, &
-         simulation%effects%heat_flux%content, tile, sums)
-      simulation%effects%heat_flux%total(:content, :, tile) = sums
+      call assemble(space%grid, space%tiles, heat%content, tile, sums)
+      heat%total(:content, :, tile) = sums
    end subroutine find_energy
 
    !> Conductance of all edges of the cells that end in a node [W kg/J].
-   subroutine spread_conductance(simulation, scratch, index, tile, dt, patch)
+   subroutine scatter_conductance(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
@@ -171,11 +173,12 @@ contains
       integer :: low(4), p, cell, direction, edges
 
       associate (store => simulation%stores(index), grid => simulation%space%grid)
-         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme%method, &
+            scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
-               conductance = conductance_of(simulation%space, simulation%scheme, &
-                  simulation%stores, index, store%first(tile) + p - 1, dt)
+               conductance = conductance_of(simulation%space%grid, simulation%scheme%method, &
+                  simulation%stores(index), store%first(tile) + p - 1, dt)
                if (.not. conductance > 0.0_wp) cycle
                place = scratch%shape%local(p, :)
                do direction = 1, 3
@@ -187,7 +190,7 @@ contains
             end do
          end do
       end associate
-   end subroutine spread_conductance
+   end subroutine scatter_conductance
 
    !> Conductance of a particle to both ends of the edges around it.
    pure subroutine add_conductance(stride, low, weight, conductance, patch)
@@ -206,16 +209,16 @@ contains
    end subroutine add_conductance
 
    !> Fraction of the flux that each node of a tile can supply: it gives no more than its energy.
-   subroutine find_passed(simulation, tile, dt)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine find_passed(space, heat, tile, dt)
+      type(space_t), intent(in) :: space
+      type(heat_flux_t), intent(inout) :: heat
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: given(1, simulation%space%grid%tile_nodes)
+      real(wp) :: given(1, space%grid%tile_nodes)
       integer :: node
 
-      call assemble(simulation%space%grid, simulation%space%tiles, &
-         simulation%effects%heat_flux%flux, tile, given)
-      associate (total => simulation%effects%heat_flux%total(:, :, tile))
+      call assemble(space%grid, space%tiles, heat%flux, tile, given)
+      associate (total => heat%total(:, :, tile))
          do node = 1, size(given, 2)
             total(passed, node) = merge(1.0_wp, 0.0_wp, total(mass, node) > empty_mass)
             if (dt*given(1, node) > total(mass, node)) &
@@ -225,7 +228,7 @@ contains
    end subroutine find_passed
 
    !> Energy that flows to the nodes [W].
-   subroutine spread_flux(simulation, scratch, index, tile, dt, patch)
+   subroutine scatter_flux(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
@@ -235,27 +238,27 @@ contains
       real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance
       integer :: low(4), p, cell, direction, edges
 
-      energy(1, :) = simulation%effects%heat_flux%total(content, :, tile)
-      call divide(simulation%effects%heat_flux%total(:, :, tile), mass, energy)
-      associate (store => simulation%stores(index), grid => simulation%space%grid, &
-         share => simulation%effects%heat_flux%total(passed, :, tile))
-         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
+      associate (grid => simulation%space%grid, method => simulation%scheme%method, &
+         store => simulation%stores(index), total => simulation%effects%heat_flux%total(:, :, tile))
+         energy(1, :) = total(content, :)
+         call divide_nodes(total, mass, energy)
+         call locate_particles_plainly(simulation%space, method, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
-               conductance = conductance_of(simulation%space, simulation%scheme, &
-                  simulation%stores, index, store%first(tile) + p - 1, dt)
+               conductance = conductance_of(grid, method, &
+                  store, store%first(tile) + p - 1, dt)
                if (.not. conductance > 0.0_wp) cycle
                place = scratch%shape%local(p, :)
                do direction = 1, 3
                   if (.not. grid%active(direction)) cycle
                   call find_edges(grid, cell, direction, place, edges, low, weight)
                   call add_flux(grid%stride(direction), low(:edges), weight(:edges), &
-                     conductance, share, energy, patch)
+                     conductance, total(passed, :), energy, patch)
                end do
             end do
          end do
       end associate
-   end subroutine spread_flux
+   end subroutine scatter_flux
 
    !> Energy that flows along the edges around a particle, from the warmer to the colder end [W].
    pure subroutine add_flux(stride, low, weight, conductance, share, energy, patch)
@@ -280,17 +283,16 @@ contains
 
    !> Conductance that a particle gives the edges around it along each direction [W kg/J]. The bound
    !! keeps an explicit step in full cells stable.
-   pure real(wp) function conductance_of(space, scheme, stores, index, q, dt) result(conductance)
-      type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
-      type(store_t), intent(in) :: stores(:)
-      integer, intent(in) :: index                   !! Index of the material and of its store
+   pure real(wp) function conductance_of(grid, method, store, q, dt) result(conductance)
+      type(grid_t), intent(in) :: grid
+      type(method_t), intent(in) :: method
+      type(store_t), intent(in) :: store
       integer, intent(in) :: q                       !! Index of the particle
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (state => stores(index)%state, grid => space%grid)
+      associate (state => store%state)
          conductance = min(state%mass(q)/(4.0_wp*real(grid%dimensions, wp)*dt), &
-            scheme%method%heat_flux/grid%spacing*sqrt(state%mass(q)*state%volume(q) &
+            method%heat_flux/grid%spacing*sqrt(state%mass(q)*state%volume(q) &
             *max(state%viscous_pressure(q), 0.0_wp)))
       end associate
    end function conductance_of
@@ -322,20 +324,21 @@ contains
    end subroutine find_edges
 
    !> New energies of the particles of a tile.
-   subroutine give_energy(simulation, scratch, index, tile, dt)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine give_energy(space, material, store, method, heat, scratch, tile, dt)
+      type(space_t), intent(in) :: space
+      type(material_t), intent(in) :: material
+      type(store_t), intent(inout) :: store
+      type(method_t), intent(in) :: method
+      type(heat_flux_t), intent(in) :: heat
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
-      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: flow(1, simulation%space%grid%tile_nodes), change(2, &
-         simulation%space%grid%tile_nodes), given
+      real(wp) :: flow(1, space%grid%tile_nodes), change(2, space%grid%tile_nodes), given
       integer :: node, p, q
 
-      call assemble(simulation%space%grid, simulation%space%tiles, &
-         simulation%effects%heat_flux%flux, tile, flow)
+      call assemble(space%grid, space%tiles, heat%flux, tile, flow)
       change = 0.0_wp
-      associate (total => simulation%effects%heat_flux%total(:, :, tile))
+      associate (total => heat%total(:, :, tile))
          do node = 1, size(change, 2)
             ! gains by mass, losses by energy
             if (flow(1, node) > 0.0_wp) then
@@ -345,16 +348,15 @@ contains
             end if
          end do
       end associate
-      associate (store => simulation%stores(index), shape => scratch%shape)
-         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
-         call simulation%scheme%method%basis%gather_values(simulation%space%grid, shape, change, &
-            shape%values)
+      associate (shape => scratch%shape)
+         call locate_particles_plainly(space, method, scratch, store, tile)
+         call method%basis%gather_values(space%grid, shape, change, shape%values)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             given = shape%values(p, 1) + shape%values(p, 2)*max(store%state%energy(q), 0.0_wp)
             store%state%energy(q) = store%state%energy(q) + given
-            if (allocated(simulation%materials(index)%heat)) store%state%temperature(q) = &
-               store%state%temperature(q) + given/simulation%materials(index)%heat%specific_heat
+            if (allocated(material%heat)) store%state%temperature(q) = store%state%temperature(q) &
+               + given/material%heat%specific_heat
          end do
       end associate
    end subroutine give_energy

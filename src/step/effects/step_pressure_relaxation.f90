@@ -11,13 +11,15 @@
 module step_pressure_relaxation
    use base_elementary, only: exponential
    use base_kinds, only: wp
+   use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use step_simulation, only: scheme_t, simulation_t, velocity_field_t
+   use step_node_fields, only: normalised_nodes_t
+   use step_simulation, only: scheme_t
    use transfer_moments, only: cell_slope, moments
    implicit none
    private
 
-   public :: relaxes_pressure, normalised, relax_pressures
+   public :: relaxes_pressure, has_normalised_sums, relax_pressures
 
    real(wp), parameter :: most = 0.05_wp             !! Relative change in a step [1]
    !> Fraction of a difference that decays in the time that a signal needs for a cell [1]
@@ -38,19 +40,21 @@ contains
    end function relaxes_pressure
 
    !> Are the sums of a material normalised?
-   pure logical function normalised(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation
+   pure logical function has_normalised_sums(scheme, index) result(yes)
+      type(scheme_t), intent(in) :: scheme
       integer, intent(in) :: index                   !! Index of the material and of its store
 
       yes = .false.
-      if (allocated(simulation%scheme%normalises)) yes = simulation%scheme%normalises(index)
-   end function normalised
+      if (allocated(scheme%normalises)) yes = scheme%normalises(index)
+   end function has_normalised_sums
 
    !> Relax the pressures of the particles of a material in a tile towards the mean of their cell
    !! and the slope of the node values.
-   subroutine relax_pressures(simulation, field, index, tile, local, speed, dt)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine relax_pressures(grid, stores, scheme, normalised, index, tile, local, speed, dt)
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(inout) :: stores(:)
+      type(scheme_t), intent(in) :: scheme
+      type(normalised_nodes_t), intent(in) :: normalised
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
@@ -59,9 +63,8 @@ contains
       real(wp) :: slope(3)
       integer :: cell, before, low, high, seen
 
-      if (.not. relaxes_pressure(simulation%scheme, simulation%stores, index)) return
-      associate (store => simulation%stores(index), grid => simulation%space%grid, &
-         normal => field%nodes%sums%normal)
+      if (.not. relaxes_pressure(scheme, stores, index)) return
+      associate (store => stores(index), normal => normalised%normal)
          before = store%first(tile) - 1
          seen = size(normal, 1) - moments + 2
          do cell = 0, grid%tile_cells - 1
@@ -77,8 +80,8 @@ contains
 
    !> The particles of one cell.
    ! gate: long kernel because a material has four fields here
-   pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, energy, &
-      stress)
+   pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, &
+      energy, stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
       integer, intent(in) :: low                     !! First particle of the cell, in the tile
       integer, intent(in) :: high                    !! Last index

@@ -6,11 +6,13 @@ module step_sides
    use base_kinds, only: wp
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
+   use step_method, only: method_t
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_simulation, only: machine_t, scratch_t, space_t, velocity_field_t
+   use step_tile_cost, only: start_cost, stop_cost
    use transfer_sides, only: add_cell_slopes, choose_sides, find_axis, is_split, join_sides, &
       measure_intact, part_rows, product_rows, set_products, sides_t, weigh_sides
    implicit none
@@ -28,31 +30,36 @@ module step_sides
 contains
 
    !> Find the sides of the particles of all fields that have two.
-   subroutine find_sides(simulation)
-      type(simulation_t), intent(inout) :: simulation !! Particles are sorted
+   subroutine find_sides(space, stores, fields, method, machine, scratches)
+      type(space_t), intent(inout) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(inout) :: fields(:)
+      type(method_t), intent(in) :: method
+      type(machine_t), intent(inout) :: machine
+      type(scratch_t), intent(inout) :: scratches(0:)
       integer :: n, kind
 
-      do n = 1, size(simulation%fields)
-         if (.not. allocated(simulation%fields(n)%sides)) cycle
-         call simulation%machine%timer%start(simulation%machine%phase%contact)
-         call reserve(simulation, simulation%fields(n))
+      do n = 1, size(fields)
+         if (.not. allocated(fields(n)%sides)) cycle
+         call machine%timer%start(machine%phase%contact)
+         call reserve_sides(space, stores, fields(n))
          do kind = 1, size(rows)
-            call add_up(simulation, simulation%fields(n)%sides, kind)
-            call finish(simulation, simulation%fields(n)%sides, kind)
+            call add_sums(space, stores, method, machine, scratches, fields(n)%sides, kind)
+            call evaluate_sums(space, machine, fields(n)%sides, kind)
          end do
-         call part(simulation, simulation%fields(n)%sides)
-         call simulation%machine%timer%stop(simulation%machine%phase%contact)
+         call join_unsplit_sides(space, stores, machine, fields(n)%sides)
+         call machine%timer%stop(machine%phase%contact)
       end do
    end subroutine find_sides
 
    !> Memory for the sides of the particles of a field and of the nodes.
-   subroutine reserve(simulation, field)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine reserve_sides(space, stores, field)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
       type(velocity_field_t), intent(inout) :: field
       integer :: n, particles
 
-      associate (sides => field%sides, own => simulation%space%tiles%own, &
-         nodes => simulation%space%grid%tile_nodes)
+      associate (sides => field%sides, own => space%tiles%own, nodes => space%grid%tile_nodes)
          sides%before = field%first_store - 1
          call ensure_weights(sides%intact, nodes, own)
          call ensure_patch(sides%slope, 3, nodes, own)
@@ -60,7 +67,7 @@ contains
          if (.not. allocated(sides%store)) allocate (sides%store(field%last_store &
             - field%first_store + 1))
          do n = 1, size(sides%store)
-            particles = size(simulation%stores(sides%before + n)%home)
+            particles = size(stores(sides%before + n)%home)
             if (allocated(sides%store(n)%other)) then
                if (size(sides%store(n)%other) == particles) cycle
                deallocate (sides%store(n)%other)
@@ -68,37 +75,41 @@ contains
             allocate (sides%store(n)%other(particles))
          end do
       end associate
-   end subroutine reserve
+   end subroutine reserve_sides
 
    !> Sum over the particles of own tiles, and receive the sums of other ranks.
-   subroutine add_up(simulation, sides, kind)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine add_sums(space, stores, method, machine, scratches, sides, kind)
+      type(space_t), intent(inout) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(method_t), intent(in) :: method
+      type(machine_t), intent(inout) :: machine
+      type(scratch_t), intent(inout) :: scratches(0:)
       type(sides_t), intent(inout) :: sides          !! The two sides of a field
       integer, intent(in) :: kind                    !! One of the sums above
       integer, allocatable :: tiles(:)
-      real(wp) :: began
       integer :: part, n
 
-      call ensure_patch(sides%patch, rows(kind), simulation%space%grid%tile_nodes, &
-         simulation%space%tiles%own)
+      call ensure_patch(sides%patch, rows(kind), space%grid%tile_nodes, space%tiles%own)
       do part = edge_tiles, inner_tiles
-         call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, sides, kind, tiles) &
-         !$omp private(n, began) schedule(dynamic, 1)
+         call next_tiles(space, machine%communicator, part, tiles)
+         !$omp parallel do default(none) shared(space, stores, method, machine, scratches, sides, &
+         !$omp kind, tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation%machine)
-            call add_tile(simulation, sides, simulation%scratch(omp_get_thread_num()), kind, &
-               tiles(n))
-            call record_cost(simulation%machine, tiles(n), began)
+            call start_cost(machine, tiles(n))
+            call add_tile(space, stores, method, sides, scratches(omp_get_thread_num()), &
+               kind, tiles(n))
+            call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
-         call send_patches(simulation, part, sides%patch)
+         call send_patches(space, machine, part, sides%patch)
       end do
-   end subroutine add_up
+   end subroutine add_sums
 
    !> One tile.
-   subroutine add_tile(simulation, sides, scratch, kind, tile)
-      type(simulation_t), intent(in) :: simulation
+   subroutine add_tile(space, stores, method, sides, scratch, kind, tile)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(method_t), intent(in) :: method
       type(sides_t), intent(inout) :: sides          !! The two sides of a field
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: kind                    !! One of the sums above
@@ -107,16 +118,14 @@ contains
 
       call clear_patch(sides%patch(:, :, tile))
       if (kind == sum_slope) then
-         call add_cell_slopes(simulation%space%grid, sides%intact(:, tile), &
-            sides%patch(:, :, tile))
+         call add_cell_slopes(space%grid, sides%intact(:, tile), sides%patch(:, :, tile))
          return
       end if
       do n = 1, size(sides%store)
-         associate (store => simulation%stores(sides%before + n), &
-            grid => simulation%space%grid, basis => simulation%scheme%method%basis, &
+         associate (store => stores(sides%before + n), grid => space%grid, basis => method%basis, &
             shape => scratch%shape)
             if (store%count(tile) == 0) cycle
-            call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
+            call locate_particles_plainly(space, method, scratch, store, tile)
             if (kind == sum_parts) then
                call basis%gather_values(grid, shape, sides%slope(:, :, tile), shape%vector)
                call choose_sides(grid, shape, store%first(tile), shape%vector, &
@@ -141,27 +150,27 @@ contains
    end subroutine add_tile
 
    !> Evaluate the sums on the nodes of all tiles that need it.
-   subroutine finish(simulation, sides, kind)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine evaluate_sums(space, machine, sides, kind)
+      type(space_t), intent(in) :: space
+      type(machine_t), intent(inout) :: machine
       type(sides_t), intent(inout) :: sides          !! Sums are known
       integer, intent(in) :: kind                    !! One of the sums above
-      real(wp) :: began
       integer :: tile
 
       ! weights of cells are found in tiles of other ranks too, which are known after an exchange
-      call sides%reserve(simulation%space%grid%tile_nodes, simulation%space%tiles%all)
-      !$omp parallel do default(none) shared(simulation, sides, kind) private(began, tile) &
+      call sides%reserve(space%grid%tile_nodes, space%tiles%all)
+      !$omp parallel do default(none) shared(space, machine, sides, kind) private(tile) &
       !$omp schedule(static)
-      do tile = 1, merge(simulation%space%tiles%all, simulation%space%tiles%own, kind == sum_parts)
-         began = cost_clock(simulation%machine)
-         call finish_tile(simulation%space, sides, kind, tile)
-         call record_cost(simulation%machine, tile, began)
+      do tile = 1, merge(space%tiles%all, space%tiles%own, kind == sum_parts)
+         call start_cost(machine, tile)
+         call evaluate_tile(space, sides, kind, tile)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
-   end subroutine finish
+   end subroutine evaluate_sums
 
    !> One tile.
-   subroutine finish_tile(space, sides, kind, tile)
+   subroutine evaluate_tile(space, sides, kind, tile)
       type(space_t), intent(in) :: space
       type(sides_t), intent(inout) :: sides          !! Sums are known
       integer, intent(in) :: kind                    !! One of the sums above
@@ -189,28 +198,28 @@ contains
          end do
          sides%cut(tile) = any(sides%split(:, tile))
       end select
-   end subroutine finish_tile
+   end subroutine evaluate_tile
 
    !> Assign particles to the first side again at nodes whose sides have not separated.
-   subroutine part(simulation, sides)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine join_unsplit_sides(space, stores, machine, sides)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(machine_t), intent(inout) :: machine
       type(sides_t), intent(inout) :: sides          !! The two sides of a field
-      real(wp) :: began
       integer :: tile, n
 
-      !$omp parallel do default(none) shared(simulation, sides) private(began, tile, n) &
+      !$omp parallel do default(none) shared(space, stores, machine, sides) private(tile, n) &
       !$omp schedule(static)
-      do tile = 1, simulation%space%tiles%own
-         began = cost_clock(simulation%machine)
+      do tile = 1, space%tiles%own
+         call start_cost(machine, tile)
          do n = 1, size(sides%store)
-            associate (store => simulation%stores(sides%before + n))
-               if (store%count(tile) > 0) call join_sides(simulation%space%grid, &
-                  store%cell_start(:, tile), store%first(tile), sides%split(:, tile), &
-                  sides%store(n)%other)
+            associate (store => stores(sides%before + n))
+               if (store%count(tile) > 0) call join_sides(space%grid, store%cell_start(:, tile), &
+                  store%first(tile), sides%split(:, tile), sides%store(n)%other)
             end associate
          end do
-         call record_cost(simulation%machine, tile, began)
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
-   end subroutine part
+   end subroutine join_unsplit_sides
 end module step_sides

@@ -4,17 +4,21 @@
 module step_walls
    use base_elementary, only: cross
    use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use mesh_boundary, only: boundary_t
    use mesh_rigid, only: held_t
    use mesh_wall, only: wall_t
    use mesh_wall_sums, only: wall_push_t
-   use step_dissipation, only: damps, record_damped
-   use step_ledger, only: external_work, impulse, ledger_t, torque
-   use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
-   use step_tile_cost, only: cost_clock, record_cost
+   use step_dissipation, only: measures_damping, record_damped
+   use step_ledger, only: ledger_t
+   use step_method, only: method_t
+   use step_node_fields, only: motion_nodes_t, nodes_t
+   use step_simulation, only: clock_t, machine_t, scheme_t, scratch_t, simulation_effects_t, space_t
+   use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
 
-   public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, pair_row, record_push, &
+   public :: apply_walls, constrain_tile, hold_at_walls, pair_row, record_push, &
       record_stopped, record_unbalanced, record_walls, remove_wall_components, start_walls, &
       stop_at_walls, walls_touch
 
@@ -26,51 +30,55 @@ contains
 
    !> Set walls that move, or act for a time, at the time of the step, and find the nodes in rigid
    !! regions.
-   subroutine start_walls(simulation, kick)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine start_walls(space, method, clock, ledger, machine, scratches, kick)
+      type(space_t), intent(inout) :: space
+      type(method_t), intent(in) :: method
+      type(clock_t), intent(in) :: clock
+      type(ledger_t), intent(inout) :: ledger
+      type(machine_t), intent(inout) :: machine
+      type(scratch_t), intent(inout) :: scratches(0:)
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
       real(wp) :: lag
       logical :: switched
 
-      call start_sums(simulation)
+      call start_sums(ledger, scratches)
       switched = .false.
-      lag = simulation%scheme%method%lag(simulation%clock%dt)
-      if (allocated(simulation%space%boundary%wall)) &
-         call simulation%space%boundary%advance(simulation%clock%time, lag, kick, switched)
-      if (.not. allocated(simulation%space%rigid)) return
-      simulation%space%rigid%switched = simulation%space%rigid%switched .or. switched
-      call simulation%space%rigid%advance(simulation%clock%time, lag, kick)
-      if (simulation%space%rigid%looked == simulation%clock%step) return
-      simulation%space%rigid%looked = simulation%clock%step
-      call find_held(simulation)
+      lag = method%lag(clock%dt)
+      if (allocated(space%boundary%wall)) call space%boundary%advance(clock%time, lag, &
+         kick, switched)
+      if (.not. allocated(space%rigid)) return
+      space%rigid%switched = space%rigid%switched .or. switched
+      call space%rigid%advance(clock%time, lag, kick)
+      if (space%rigid%looked == clock%step) return
+      space%rigid%looked = clock%step
+      call find_held(space, machine)
    end subroutine start_walls
 
    !> Clear the sum of unbalanced forces, and allocate the sums of the threads, if an output shows
    !! wall forces.
-   pure subroutine start_sums(simulation)
-      type(simulation_t), intent(inout) :: simulation
+   pure subroutine start_sums(ledger, scratches)
+      type(ledger_t), intent(inout) :: ledger
+      type(scratch_t), intent(inout) :: scratches(0:)
       integer :: thread
 
-      do thread = 0, ubound(simulation%scratch, 1)
-         if (allocated(simulation%scratch(thread)%unbalanced)) &
-            call simulation%scratch(thread)%unbalanced%clear()
+      do thread = 0, ubound(scratches, 1)
+         if (allocated(scratches(thread)%unbalanced)) call scratches(thread)%unbalanced%clear()
       end do
-      if (.not. allocated(simulation%balance%ledger%walls%total)) return
-      if (allocated(simulation%scratch(0)%ledger%walls%total)) return
-      do thread = 0, ubound(simulation%scratch, 1)
-         call simulation%scratch(thread)%ledger%walls%start( &
-            size(simulation%balance%ledger%walls%total, 2))
+      if (.not. allocated(ledger%walls%total)) return
+      if (allocated(scratches(0)%ledger%walls%total)) return
+      do thread = 0, ubound(scratches, 1)
+         call scratches(thread)%ledger%walls%start(size(ledger%walls%total, 2))
       end do
    end subroutine start_sums
 
    !> Find the nodes in rigid regions.
-   subroutine find_held(simulation)
-      type(simulation_t), intent(inout) :: simulation !! Has rigid regions
+   subroutine find_held(space, machine)
+      type(space_t), intent(inout) :: space
+      type(machine_t), intent(inout) :: machine
       type(held_t), allocatable :: longer(:)
-      real(wp) :: began
       integer :: tile
 
-      associate (rigid => simulation%space%rigid, all => simulation%space%tiles%all)
+      associate (rigid => space%rigid, all => space%tiles%all)
          if (.not. allocated(rigid%held)) allocate (rigid%held(0))
          if (size(rigid%held) < all) then
             allocate (longer(all + all/4))
@@ -78,34 +86,35 @@ contains
             call move_alloc(longer, rigid%held)
          end if
       end associate
-      !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(dynamic)
-      do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation%machine)
-         call simulation%space%rigid%hold(simulation%space%grid, simulation%space%boundary, &
-            simulation%space%tiles%coordinate(:, tile), simulation%space%rigid%held(tile))
-         call record_cost(simulation%machine, tile, began)
+      !$omp parallel do default(none) shared(space, machine) private(tile) schedule(dynamic)
+      do tile = 1, space%tiles%all
+         call start_cost(machine, tile)
+         call space%rigid%hold(space%grid, space%boundary, space%tiles%coordinate(:, tile), &
+            space%rigid%held(tile))
+         call stop_cost(machine, tile)
       end do
       !$omp end parallel do
-      simulation%space%rigid%switched = .false.
+      space%rigid%switched = .false.
    end subroutine find_held
 
    !> True if a wall acts on some node of a tile.
-   pure logical function walls_touch(simulation, tile) result(touch)
-      type(simulation_t), intent(in) :: simulation
+   pure logical function walls_touch(space, tile) result(touch)
+      type(space_t), intent(in) :: space
       integer, intent(in) :: tile
 
-      touch = simulation%space%boundary%touches(simulation%space%grid, &
-         simulation%space%tiles%coordinate(:, tile))
-      if (touch .or. .not. allocated(simulation%space%rigid)) return
-      touch = simulation%space%rigid%holds(tile)
+      touch = space%boundary%touches(space%grid, space%tiles%coordinate(:, tile))
+      if (touch .or. .not. allocated(space%rigid)) return
+      touch = space%rigid%holds(tile)
    end function walls_touch
 
    !> Impose the walls on the velocities of a tile, and compute the velocity that particles gain
    !! from each node because of them. Equation (R.5) of doc/theory/rigid.md. Equation (L.3) of
    !! doc/theory/ledger.md.
-   pure subroutine apply_walls(simulation, tile, dt, velocity, acceleration, push, &
-      work, each)
-      type(simulation_t), intent(in) :: simulation
+   pure subroutine apply_walls(space, method, clock, tile, dt, velocity, acceleration, &
+      push, work, each)
+      type(space_t), intent(in) :: space
+      type(method_t), intent(in) :: method
+      type(clock_t), intent(in) :: clock
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
@@ -116,30 +125,33 @@ contains
       real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share
       integer :: stage, wall
 
-      share = 1.0_wp - simulation%scheme%method%transfer%flip_fraction()
+      share = 1.0_wp - method%transfer%flip_fraction()
       free_velocity = velocity
       free_acceleration = acceleration
-      if (present(each)) call each%begin(number_of_walls(simulation%space), dt, share, velocity, &
-         acceleration)
+      if (present(each)) call each%begin(number_of_walls(space), dt, share, velocity, acceleration)
       do stage = 1, stages
-         if (.not. stage_acts(simulation, stage, dt)) cycle
+         if (.not. stage_acts(space%boundary, clock, stage, dt)) cycle
          if (present(each)) then
-            if (allocated(simulation%space%boundary%wall)) then
-               do wall = 1, size(simulation%space%boundary%wall)
-                  call apply_boundary(simulation, tile, stage, dt, free_velocity, velocity, &
-                     acceleration, wall)
+            if (allocated(space%boundary%wall)) then
+               do wall = 1, size(space%boundary%wall)
+                  call apply_boundary(space, method, clock, tile, stage, dt, free_velocity, &
+                     velocity, acceleration, wall)
                   call each%note(wall, velocity, acceleration)
                end do
             end if
          else
-            call apply_boundary(simulation, tile, stage, dt, free_velocity, velocity, acceleration)
+            call apply_boundary(space, method, clock, tile, stage, dt, free_velocity, &
+               velocity, acceleration)
          end if
-         if (.not. allocated(simulation%space%rigid)) cycle
-         call apply_rigid(simulation, tile, stage, dt, free_velocity, velocity, acceleration)
+         if (.not. allocated(space%rigid)) cycle
+         ! apply a stage of rigid regions
+         if (stage == holding) call space%rigid%constrain(tile, velocity, acceleration, &
+            at_end=.false.)
+         if (stage == rubbing) call space%rigid%rub(tile, merge(dt, clock%dt, dt > 0.0_wp), &
+            1.0_wp - method%transfer%flip_fraction(), free_velocity, velocity, acceleration)
          if (.not. present(each)) cycle
-         if (simulation%space%rigid%holds(tile)) call each%note_nodes( &
-            number_of_walls(simulation%space) - size(simulation%space%rigid%wall), &
-            simulation%space%rigid%held(tile)%node, simulation%space%rigid%held(tile)%wall, &
+         if (space%rigid%holds(tile)) call each%note_nodes(number_of_walls(space) &
+            - size(space%rigid%wall), space%rigid%held(tile)%node, space%rigid%held(tile)%wall, &
             velocity, acceleration)
       end do
       push = dt*(acceleration - free_acceleration) + share*(velocity - free_velocity)
@@ -150,56 +162,59 @@ contains
 
    !> Impose the walls and record the work of walls and gravity. A tile records the part due to its
    !! own particles at each node, so that all parts add up to the value of the node.
-   subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
+   subroutine constrain_tile(space, scheme, effects, clock, nodes, scratch, tile, dt, &
+      velocity, acceleration)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
+      type(clock_t), intent(in) :: clock
+      type(nodes_t), intent(inout) :: nodes
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp), intent(in) :: mass(:)                !! (node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp) :: push(3, size(mass)), work(size(mass))
+      real(wp) :: push(3, size(velocity, 2)), work(size(velocity, 2))
       real(wp), allocatable :: brought(:, :), drag(:, :)
       type(wall_push_t) :: each
       logical :: keeps, ruled
 
-      ruled = walls_touch(simulation, tile)
-      if (.not. (ruled .or. allocated(simulation%effects%gravity) .or. &
-         simulation%effects%damping > 0.0_wp)) return
+      ruled = walls_touch(space, tile)
+      if (.not. (ruled .or. allocated(effects%gravity) .or. effects%damping > 0.0_wp)) return
       push = 0.0_wp
       work = 0.0_wp
-      keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own &
-         .and. allocated(field%nodes%work%taken)
-      if (keeps) field%nodes%work%taken(:, :, tile) = velocity
-      if (simulation%effects%damping > 0.0_wp) drag = -dt*simulation%effects%damping*velocity
-      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
-         damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
-            brought = velocity
-      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
+      keeps = ruled .and. dt > 0.0_wp .and. tile <= space%tiles%own .and. &
+         allocated(nodes%work%velocity_removed)
+      if (keeps) nodes%work%velocity_removed(:, :, tile) = velocity
+      if (effects%damping > 0.0_wp) drag = -dt*effects%damping*velocity
+      if (ruled .and. dt > 0.0_wp .and. tile <= space%tiles%own .and. &
+         measures_damping(scheme%method, scheme%carries_energy) .and. .not. keeps) &
+         brought = velocity
+      if (ruled .and. dt > 0.0_wp .and. tile <= space%tiles%own .and. &
          allocated(scratch%ledger%walls%total)) then
-         call apply_walls(simulation, tile, dt, velocity, acceleration, push, work, each)
-         call record_walls(simulation%space, field, scratch%ledger, tile, each)
+         call apply_walls(space, scheme%method, clock, tile, dt, velocity, acceleration, &
+            push, work, each)
+         call record_walls(space, nodes%motion, scratch%ledger, tile, each)
       else if (ruled) then
-         call apply_walls(simulation, tile, dt, velocity, acceleration, push, work)
+         call apply_walls(space, scheme%method, clock, tile, dt, velocity, acceleration, push, work)
       end if
-      if (allocated(brought)) call record_stopped(simulation%space, simulation%scheme, field, &
-         scratch%ledger, tile, &
-         velocity - brought, velocity + dt*acceleration)
-      if (keeps) field%nodes%work%taken(:, :, tile) = field%nodes%work%taken(:, :, tile) - velocity
-      if (tile > simulation%space%tiles%own .or. .not. dt > 0.0_wp) return
+      if (allocated(brought)) call record_stopped(space%grid, scheme%method, nodes%motion, &
+         scratch%ledger, tile, velocity - brought, velocity + dt*acceleration)
+      if (keeps) nodes%work%velocity_removed(:, :, tile) = nodes%work%velocity_removed(:, :, tile) &
+         - velocity
+      if (tile > space%tiles%own .or. .not. dt > 0.0_wp) return
       if (allocated(drag)) push = push + drag
-      if (allocated(simulation%effects%gravity)) then
-         push(1, :) = push(1, :) + dt*simulation%effects%gravity(1)
-         push(2, :) = push(2, :) + dt*simulation%effects%gravity(2)
-         push(3, :) = push(3, :) + dt*simulation%effects%gravity(3)
+      if (allocated(effects%gravity)) then
+         push(1, :) = push(1, :) + dt*effects%gravity(1)
+         push(2, :) = push(2, :) + dt*effects%gravity(2)
+         push(3, :) = push(3, :) + dt*effects%gravity(3)
       end if
-      if (allocated(field%nodes%work%push)) then
+      if (allocated(nodes%work%velocity_change)) then
          ! contact and musl will change the velocities of this work
-         field%nodes%work%push(:, :, tile) = push
+         nodes%work%velocity_change(:, :, tile) = push
          return
       end if
-      call record_push(simulation%space, field, scratch%ledger, tile, push, &
+      call record_push(space, nodes%motion, scratch%ledger, tile, push, &
          velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
 
@@ -223,24 +238,28 @@ contains
 
    !> True if walls may act in a stage. Friction also acts in the strain before the forces, from the
    !! second step on: nodes that were pressed on a wall must not move away from it.
-   pure logical function stage_acts(simulation, stage, dt) result(acts)
-      type(simulation_t), intent(in) :: simulation
+   pure logical function stage_acts(boundary, clock, stage, dt) result(acts)
+      type(boundary_t), intent(in) :: boundary
+      type(clock_t), intent(in) :: clock
       integer, intent(in) :: stage
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
       select case (stage)
       case (forcing)
-         acts = dt > 0.0_wp .and. simulation%space%boundary%absorbs_waves()
+         acts = dt > 0.0_wp .and. boundary%absorbs_waves()
       case (rubbing)
-         acts = dt > 0.0_wp .or. simulation%clock%dt > 0.0_wp
+         acts = dt > 0.0_wp .or. clock%dt > 0.0_wp
       case default
          acts = .true.
       end select
    end function stage_acts
 
    !> Apply a stage of boundaries, all of them or one.
-   pure subroutine apply_boundary(simulation, tile, stage, dt, free, velocity, acceleration, only)
-      type(simulation_t), intent(in) :: simulation
+   pure subroutine apply_boundary(space, method, clock, tile, stage, dt, free, velocity, &
+      acceleration, only)
+      type(space_t), intent(in) :: space
+      type(method_t), intent(in) :: method
+      type(clock_t), intent(in) :: clock
       integer, intent(in) :: tile
       integer, intent(in) :: stage                   !! forcing, holding or rubbing
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
@@ -249,59 +268,41 @@ contains
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       integer, intent(in), optional :: only          !! Wall that acts; default: all
 
-      associate (coordinate => simulation%space%tiles%coordinate(:, tile), &
-         grid => simulation%space%grid, boundary => simulation%space%boundary)
+      associate (coordinate => space%tiles%coordinate(:, tile), grid => space%grid, &
+         boundary => space%boundary)
          select case (stage)
          case (forcing)
             call boundary%add_forces(grid, coordinate, dt, velocity, acceleration, only)
          case (rubbing)
             if (boundary%has_friction()) call boundary%apply_friction(grid, coordinate, &
-               merge(dt, simulation%clock%dt, dt > 0.0_wp), &
-               1.0_wp - simulation%scheme%method%transfer%flip_fraction(), free, velocity, &
-               acceleration, only)
+               merge(dt, clock%dt, dt > 0.0_wp), 1.0_wp - method%transfer%flip_fraction(), free, &
+               velocity, acceleration, only)
          case default
             call boundary%constrain(grid, coordinate, velocity, acceleration, only=only)
          end select
       end associate
    end subroutine apply_boundary
 
-   !> Apply a stage of rigid regions.
-   pure subroutine apply_rigid(simulation, tile, stage, dt, free, velocity, acceleration)
-      type(simulation_t), intent(in) :: simulation   !! Has rigid regions
-      integer, intent(in) :: tile
-      integer, intent(in) :: stage                   !! forcing, holding or rubbing
-      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
-      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
-      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
-
-      if (stage == holding) call simulation%space%rigid%constrain(tile, velocity, acceleration, &
-         at_end=.false.)
-      if (stage == rubbing) call simulation%space%rigid%rub(tile, merge(dt, simulation%clock%dt, &
-         dt > 0.0_wp), 1.0_wp - simulation%scheme%method%transfer%flip_fraction(), free, velocity, &
-         acceleration)
-   end subroutine apply_rigid
-
    !> Record the impulse and work of each wall on the nodes of a tile. Equation (O.2) of
    !! doc/theory/instruments.md.
-   subroutine record_walls(space, field, ledger, tile, each)
+   subroutine record_walls(space, motion, ledger, tile, each)
       type(space_t), intent(in) :: space
-      type(velocity_field_t), intent(in) :: field
+      type(motion_nodes_t), intent(in) :: motion
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       type(wall_push_t), intent(in) :: each          !! Force of each wall
-      real(wp) :: own(field%nodes%motion%packed(1)%rows, size(each%velocity, 2))
+      real(wp) :: own(size(each%velocity, 2))
       real(wp) :: total(3)
       integer :: before, node, wall
 
-      call field%nodes%motion%packed(1)%get(space%grid, field%nodes%motion%touched, tile, own)
+      call motion%own_mass(space%grid, tile, own)
       before = 0
       if (allocated(space%boundary%wall)) before = size(space%boundary%wall)
       do wall = 1, size(each%gain, 3)
          total = 0.0_wp
-         do node = 1, size(own, 2)
-            if (.not. own(1, node) > 0.0_wp) cycle
-            total = total + own(1, node)*each%gain(:, node, wall)
+         do node = 1, size(own)
+            if (.not. own(node) > 0.0_wp) cycle
+            total = total + own(node)*each%gain(:, node, wall)
          end do
          if (.not. maxval(abs(total)) > 0.0_wp) cycle
          if (wall <= before) then
@@ -315,19 +316,19 @@ contains
 
    !> Record the unbalanced force of the nodes of a tile: the part due to its own particles, by
    !! their mass times acceleration. Equation (O.7) of doc/theory/instruments.md.
-   subroutine record_unbalanced(space, field, scratch, tile, acceleration)
-      type(space_t), intent(in) :: space
-      type(velocity_field_t), intent(in) :: field
+   subroutine record_unbalanced(grid, motion, scratch, tile, acceleration)
+      type(grid_t), intent(in) :: grid
+      type(motion_nodes_t), intent(in) :: motion
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: acceleration(:, :)     !! (3, node) [m/s2]
-      real(wp) :: own(field%nodes%motion%packed(1)%rows, size(acceleration, 2)), total
+      real(wp) :: own(size(acceleration, 2)), total
       integer :: node
 
-      call field%nodes%motion%packed(1)%get(space%grid, field%nodes%motion%touched, tile, own)
+      call motion%own_mass(grid, tile, own)
       total = 0.0_wp
-      do node = 1, size(own, 2)
-         if (own(1, node) > 0.0_wp) total = total + own(1, node)*norm2(acceleration(:, node))
+      do node = 1, size(own)
+         if (own(node) > 0.0_wp) total = total + own(node)*norm2(acceleration(:, node))
       end do
       call scratch%unbalanced%add(total)
    end subroutine record_unbalanced
@@ -344,44 +345,40 @@ contains
    !> Where a wall with friction, or a rigid region, constrained a node in the step, it also
    !! constrains the straining velocity after the step. A one-sided condition would let the noise of
    !! particles lift pressed material off the wall, step by step.
-   pure subroutine hold_at_walls(simulation, field, tile, velocity)
-      type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(in) :: field
+   pure subroutine hold_at_walls(space, clock, motion, tile, velocity)
+      type(space_t), intent(in) :: space
+      type(clock_t), intent(in) :: clock
+      type(motion_nodes_t), intent(in) :: motion
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped again [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
-      if (.not. (simulation%space%boundary%has_friction() .or. &
-         allocated(simulation%space%rigid))) return
-      if (.not. walls_touch(simulation, tile)) return
-      ended = field%nodes%motion%velocity(:, :, tile) &
-         + simulation%clock%kick*field%nodes%motion%acceleration(:, :, tile)
-      if (simulation%space%boundary%has_friction()) call &
-         simulation%space%boundary%hold_pressed(simulation%space%grid, &
-         simulation%space%tiles%coordinate(:, tile), ended, velocity)
-      if (allocated(simulation%space%rigid)) call simulation%space%rigid%keep(tile, ended, velocity)
+      if (.not. (space%boundary%has_friction() .or. allocated(space%rigid))) return
+      if (.not. walls_touch(space, tile)) return
+      ended = motion%velocity(:, :, tile) + clock%kick*motion%acceleration(:, :, tile)
+      if (space%boundary%has_friction()) call space%boundary%hold_pressed(space%grid, &
+         space%tiles%coordinate(:, tile), ended, velocity)
+      if (allocated(space%rigid)) call space%rigid%keep(tile, ended, velocity)
    end subroutine hold_at_walls
 
    !> Impose the walls on the velocities after the step, and correct the change of the velocities
    !! accordingly.
-   pure subroutine stop_at_walls(simulation, tile, velocity, change)
-      type(simulation_t), intent(in) :: simulation
+   pure subroutine stop_at_walls(space, tile, velocity, change)
+      type(space_t), intent(in) :: space
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :)   !! (3, node) [m/s2] or [m/s]
 
-      call simulation%space%boundary%constrain(simulation%space%grid, &
-         simulation%space%tiles%coordinate(:, tile), &
-         velocity, change, at_end=.true.)
-      if (allocated(simulation%space%rigid)) &
-         call simulation%space%rigid%constrain(tile, velocity, change, at_end=.true.)
+      call space%boundary%constrain(space%grid, space%tiles%coordinate(:, tile), velocity, change, &
+         at_end=.true.)
+      if (allocated(space%rigid)) call space%rigid%constrain(tile, velocity, change, at_end=.true.)
    end subroutine stop_at_walls
 
    !> Remove from a change of node velocities the components that walls prescribed or changed before
    !! the forces act: an orthogonal projection. A wall that prescribes the velocity of a node in a
    !! step does so from the start of the step.
-   pure subroutine remove_wall_components(simulation, tile, velocity, change, each)
-      type(simulation_t), intent(in) :: simulation
+   pure subroutine remove_wall_components(space, tile, velocity, change, each)
+      type(space_t), intent(in) :: space
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) Before forces act [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
@@ -392,24 +389,23 @@ contains
       moved = velocity
       open = 1.0_wp
       if (present(each)) then
-         call each%begin(number_of_walls(simulation%space), 1.0_wp, 0.0_wp, moved, change)
-         if (allocated(simulation%space%boundary%wall)) then
-            do wall = 1, size(simulation%space%boundary%wall)
-               call close_components(simulation%space, tile, velocity, moved, open, wall)
+         call each%begin(number_of_walls(space), 1.0_wp, 0.0_wp, moved, change)
+         if (allocated(space%boundary%wall)) then
+            do wall = 1, size(space%boundary%wall)
+               call close_components(space, tile, velocity, moved, open, wall)
                call each%note(wall, moved, change*open)
             end do
          end if
       else
-         call close_components(simulation%space, tile, velocity, moved, open)
+         call close_components(space, tile, velocity, moved, open)
       end if
       change = change*open
-      if (.not. allocated(simulation%space%rigid)) return
-      call simulation%space%rigid%take(tile, velocity, open, change)
+      if (.not. allocated(space%rigid)) return
+      call space%rigid%take(tile, velocity, open, change)
       if (.not. present(each)) return
-      if (simulation%space%rigid%holds(tile)) call each%note_nodes( &
-         number_of_walls(simulation%space) - size(simulation%space%rigid%wall), &
-         simulation%space%rigid%held(tile)%node, simulation%space%rigid%held(tile)%wall, moved, &
-         change)
+      if (space%rigid%holds(tile)) call each%note_nodes(number_of_walls(space) &
+         - size(space%rigid%wall), space%rigid%held(tile)%node, space%rigid%held(tile)%wall, &
+         moved, change)
    end subroutine remove_wall_components
 
    !> Clear the mask of velocity components that boundaries prescribe, all boundaries or one.
@@ -422,8 +418,8 @@ contains
       integer, intent(in), optional :: only          !! Wall that acts; default: all
 
       associate (coordinate => space%tiles%coordinate(:, tile))
-         call space%boundary%constrain(space%grid, coordinate, moved, open, at_end=.true., &
-            only=only)
+         call space%boundary%constrain(space%grid, coordinate, moved, open, &
+            at_end=.true., only=only)
          if (space%boundary%has_friction()) call space%boundary%hold_pressed(space%grid, &
             coordinate, velocity, open, only)
       end associate
@@ -432,58 +428,54 @@ contains
    !> The energy that walls remove through the PIC fraction is part of their work and also of the
    !! recorded dissipation of the PIC fraction, so it is subtracted from the work. Equation (L.13)
    !! of doc/theory/ledger.md.
-   subroutine record_stopped(space, scheme, field, ledger, tile, change, velocity)
-      type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
-      type(velocity_field_t), intent(in) :: field
+   subroutine record_stopped(grid, method, motion, ledger, tile, change, velocity)
+      type(grid_t), intent(in) :: grid
+      type(method_t), intent(in) :: method
+      type(motion_nodes_t), intent(in) :: motion
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: change(:, :)           !! (3, node) Change by walls [m/s]
       real(wp), intent(in) :: velocity(:, :) !! (3, node) Velocity for the recorded work [m/s]
-      real(wp) :: own(field%nodes%motion%packed(1)%rows, size(change, 2)), stopped
+      real(wp) :: own(size(change, 2)), stopped
       integer :: node
 
-      call field%nodes%motion%packed(1)%get(space%grid, field%nodes%motion%touched, tile, own)
+      call motion%own_mass(grid, tile, own)
       stopped = 0.0_wp
       do node = 1, size(change, 2)
-         stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
+         stopped = stopped + own(node)*dot_product(change(:, node), velocity(:, node))
       end do
-      call record_damped(ledger, (1.0_wp - scheme%method%transfer%flip_fraction())*stopped)
+      call record_damped(ledger, (1.0_wp - method%transfer%flip_fraction())*stopped)
    end subroutine record_stopped
 
    !> Record impulse, its moment, and work of an impulse on the nodes of a tile.
-   subroutine record_push(space, field, ledger, tile, push, velocity, more)
+   subroutine record_push(space, motion, ledger, tile, push, velocity, more)
       type(space_t), intent(in) :: space
-      type(velocity_field_t), intent(in) :: field
+      type(motion_nodes_t), intent(in) :: motion
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
       real(wp), intent(in), optional :: more(:) !! (node) Work besides that of the force [J/kg]
-      real(wp) :: own(field%nodes%motion%packed(1)%rows, size(push, 2))
+      real(wp) :: own(size(push, 2))
       real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
-      integer :: node, k
+      integer :: node
 
       total = 0.0_wp
       turn = 0.0_wp
       work = 0.0_wp
       corner = space%grid%tile_corner(space%tiles%coordinate(:, tile))
-      call field%nodes%motion%packed(1)%get(space%grid, field%nodes%motion%touched, tile, own)
+      call motion%own_mass(space%grid, tile, own)
       do node = 1, size(push, 2)
          ! faces push few of the nodes
          if (.not. abs(push(1, node)) + abs(push(2, node)) + abs(push(3, node)) > 0.0_wp) cycle
-         if (.not. own(1, node) > 0.0_wp) cycle
-         part = own(1, node)*push(:, node)
+         if (.not. own(node) > 0.0_wp) cycle
+         part = own(node)*push(:, node)
          place = corner + space%grid%spacing*real(space%grid%node_position(node), wp)
          total = total + part
          turn = turn + cross(place, part)
          work = work + dot_product(part, velocity(:, node))
-         if (present(more)) work = work + own(1, node)*more(node)
+         if (present(more)) work = work + own(node)*more(node)
       end do
-      do k = 1, 3
-         call ledger%sums(impulse + k - 1)%add(total(k))
-         call ledger%sums(torque + k - 1)%add(turn(k))
-      end do
-      call ledger%sums(external_work)%add(work)
+      call ledger%record_impulse(total, turn, work)
    end subroutine record_push
 end module step_walls

@@ -185,13 +185,13 @@ contains
       if (.not. count_steep(size(identity), gradient, enough) > 0.5_wp) return
       most = 0.0_wp
       do p = 1, size(identity)
-         most = max(most, square(gradient, p))
+         most = max(most, norm_square(gradient, p))
       end do
       if (.not. (most > 0.0_wp .and. most/dt**2 >= steepest)) return
       if (most/dt**2 > steepest) who = huge(who)
       steepest = most/dt**2
       do p = 1, size(identity)
-         if (square(gradient, p) >= most) who = min(who, identity(p))
+         if (norm_square(gradient, p) >= most) who = min(who, identity(p))
       end do
    end subroutine find_steepest
 
@@ -240,12 +240,12 @@ contains
    end function limiting_gradient
 
    !> Square of the norm of a gradient.
-   pure real(wp) function square(gradient, p) result(norm)
+   pure real(wp) function norm_square(gradient, p) result(norm)
       real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle, 9)
       integer, intent(in) :: p
 
       norm = gradient(p, 1)**2 + gradient(p, 2)**2 + gradient(p, 3)**2 + gradient(p, 4)**2 &
          + gradient(p, 5)**2 + gradient(p, 6)**2 + gradient(p, 7)**2 + gradient(p, 8)**2 &
          + gradient(p, 9)**2
-   end function square
+   end function norm_square
 end module step_bounds

@@ -4,16 +4,19 @@
 !! and the greatest speed and energy. Sums are exact and sums of tiles are in the order of
 !! particles, so all numbers are the same for any ranks and threads.
 module step_diagnostics
+   use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_exact_totals, only: totals_over_ranks
    use base_kinds, only: int64, wp
    use material_kinds, only: may_lock
    use material_type, only: material_t
+   use mesh_tiles, only: tiles_t
+   use mesh_grid, only: grid_t
    use particle_crowding, only: add_to_nodes, measure_claims, measure_noise, nodes_alone
    use particle_neighbours, only: neighbour_table_t
    use particle_store, only: store_t
-   use step_simulation, only: conservation_t, machine_t, simulation_t, space_t
-   use step_trust_record, only: apart
+   use step_simulation, only: scratch_t, simulation_t, space_t
+   use step_trust_record, only: apart, trust_t
    implicit none
    private
 
@@ -61,13 +64,12 @@ module step_diagnostics
 contains
 
    !> Let the steps record unbalanced forces.
-   pure subroutine watch_unbalanced(simulation)
-      type(simulation_t), intent(inout) :: simulation
+   pure subroutine watch_unbalanced(scratches)
+      type(scratch_t), intent(inout) :: scratches(0:)
       integer :: thread
 
-      do thread = 0, ubound(simulation%scratch, 1)
-         if (.not. allocated(simulation%scratch(thread)%unbalanced)) &
-            allocate (simulation%scratch(thread)%unbalanced)
+      do thread = 0, ubound(scratches, 1)
+         if (.not. allocated(scratches(thread)%unbalanced)) allocate (scratches(thread)%unbalanced)
       end do
    end subroutine watch_unbalanced
 
@@ -102,23 +104,23 @@ contains
    end subroutine find_unbalanced
 
    !> Greatest speed, energies of particles, and the energy of implausible ones. Collective.
-   subroutine examine_bounds(space, stores, machine, least_energy, limits, sample)
-      type(space_t), intent(in) :: space
+   subroutine examine_bounds(tiles, stores, communicator, least_energy, limits, sample)
+      type(tiles_t), intent(in) :: tiles
       type(store_t), intent(in) :: stores(:)
-      type(machine_t), intent(inout) :: machine
+      type(communicator_t), intent(inout) :: communicator
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       type(bounds_limits_t), intent(in) :: limits    !! Of plausible particles
       type(bounds_sample_t), intent(out) :: sample       !! Measured values
-      real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
-      real(wp) :: energies(3, space%tiles%own), total(3)
+      real(wp) :: greatest(4, max(1, tiles%own)), all(4)
+      real(wp) :: energies(3, tiles%own), total(3)
       type(exact_sum_t) :: sum(3)
       integer :: index, n, tile
 
       greatest = -huge(1.0_wp)
       energies = 0.0_wp
-      !$omp parallel do default(none) shared(space, stores, machine, least_energy, limits) &
+      !$omp parallel do default(none) shared(tiles, stores, least_energy, limits) &
       !$omp shared(greatest, energies) private(tile, index) schedule(static)
-      do tile = 1, space%tiles%own
+      do tile = 1, tiles%own
          do index = 1, size(stores)
             associate (store => stores(index))
                if (store%count(tile) == 0) cycle
@@ -129,17 +131,17 @@ contains
       end do
       !$omp end parallel do
       all = maxval(greatest, dim=2)
-      call machine%communicator%maxima(all)
+      call communicator%maxima(all)
       sample%speed = sqrt(max(0.0_wp, all(1)))
       sample%heat = all(2)
       sample%cold = -all(3)
       sample%energy = max(0.0_wp, all(4))
       do n = 1, 3
-         do tile = 1, space%tiles%own
+         do tile = 1, tiles%own
             call sum(n)%add(energies(n, tile))
          end do
       end do
-      call totals_over_ranks(machine%communicator, sum, total)
+      call totals_over_ranks(communicator, sum, total)
       sample%whole = total(1)
       sample%fast = total(2)
       sample%odd = total(3)
@@ -194,11 +196,11 @@ contains
 
    !> Identity of the particle in which a measure is greatest, the lowest of several; huge if there
    !! is none. Collective.
-   integer(int64) function find_greatest(materials, stores, machine, measure, least_energy) &
+   integer(int64) function find_greatest(materials, stores, communicator, measure, least_energy) &
       result(identity)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(in) :: stores(:)
-      type(machine_t), intent(in) :: machine
+      type(communicator_t), intent(in) :: communicator
       integer, intent(in) :: measure                 !! One of the measures above
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       real(wp) :: value, greatest
@@ -210,8 +212,7 @@ contains
          associate (store => stores(index))
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  value = measure_of(store, p, materials(index)%density, measure, &
-                     least_energy)
+                  value = measure_of(store, p, materials(index)%density, measure, least_energy)
                   if (value < greatest) cycle
                   if (value > greatest) identity = huge(identity)
                   greatest = value
@@ -220,7 +221,7 @@ contains
             end do
          end associate
       end do
-      identity = lowest_of(machine, greatest, identity)
+      identity = lowest_of(communicator, greatest, identity)
    end function find_greatest
 
    !> A measure of a particle; the lowest number where it has no meaning.
@@ -254,21 +255,25 @@ contains
    end function measure_of
 
    !> The lowest identity among the ranks that have the greatest value. Collective.
-   integer(int64) function lowest_of(machine, value, own) result(identity)
-      type(machine_t), intent(in) :: machine
+   integer(int64) function lowest_of(communicator, value, own) result(identity)
+      type(communicator_t), intent(in) :: communicator
       real(wp), intent(in) :: value                  !! Greatest of this rank
       integer(int64), intent(in) :: own              !! Particle on this rank
       integer(int64) :: least(1)
 
       least = own
-      if (value < machine%communicator%maximum(value)) least = huge(least)
-      call machine%communicator%least(least)
+      if (value < communicator%maximum(value)) least = huge(least)
+      call communicator%least(least)
       identity = least(1)
    end function lowest_of
 
    !> Distances of neighbours, volumes, pressures. Collective.
-   subroutine examine_shapes(simulation, sample)
-      type(simulation_t), intent(in) :: simulation   !! Between two steps
+   subroutine examine_shapes(space, materials, stores, trust, communicator, sample)
+      type(space_t), intent(in) :: space
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(in) :: stores(:)
+      type(trust_t), intent(in) :: trust
+      type(communicator_t), intent(in) :: communicator
       type(shapes_sample_t), intent(out) :: sample       !! Measured values
       real(wp), allocatable :: found(:, :)
       integer(int64), allocatable :: who(:)
@@ -277,30 +282,29 @@ contains
       integer(int64) :: identity
       integer :: n, tile
 
-      allocate (found(longest, simulation%space%tiles%own), source=0.0_wp)
-      allocate (who(simulation%space%tiles%own), source=huge(1_int64))
-      !$omp parallel default(none) shared(simulation, found, who)
-      call examine_sample(simulation, found, who)
+      allocate (found(longest, space%tiles%own), source=0.0_wp)
+      allocate (who(space%tiles%own), source=huge(1_int64))
+      !$omp parallel default(none) shared(space, materials, stores, trust, found, who)
+      call examine_sample(space, materials, stores, trust, found, who)
       !$omp end parallel
       do n = 1, sums
          call sum%clear()
-         do tile = 1, simulation%space%tiles%own
+         do tile = 1, space%tiles%own
             call sum%add(found(n, tile))
          end do
-         call sum%over_ranks(simulation%machine%communicator)
+         call sum%over_ranks(communicator)
          total(n) = sum%value()
       end do
       greatest = 0.0_wp
       identity = huge(1_int64)
-      do tile = 1, simulation%space%tiles%own
+      do tile = 1, space%tiles%own
          if (found(longest, tile) < greatest) cycle
          if (found(longest, tile) > greatest) identity = huge(1_int64)
          greatest = found(longest, tile)
          identity = min(identity, who(tile))
       end do
-      sample%longest_identity = lowest_of(simulation%machine, greatest, identity)
-      sample%longest = &
-         simulation%machine%communicator%maximum(greatest)/simulation%space%grid%spacing
+      sample%longest_identity = lowest_of(communicator, greatest, identity)
+      sample%longest = communicator%maximum(greatest)/space%grid%spacing
       if (total(seen_mass) > 0.0_wp) sample%share = total(far_mass)/total(seen_mass)
       if (total(occupied) > 0.0_wp) sample%overlap = (total(claimed) - total(occupied)) &
          /total(occupied)
@@ -311,8 +315,11 @@ contains
    end subroutine examine_shapes
 
    !> The tiles of one thread, with scratch space of its own.
-   subroutine examine_sample(simulation, found, who)
-      type(simulation_t), intent(in) :: simulation
+   subroutine examine_sample(space, materials, stores, trust, found, who)
+      type(space_t), intent(in) :: space
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(in) :: stores(:)
+      type(trust_t), intent(in) :: trust
       real(wp), intent(inout) :: found(:, :)         !! (column, tile)
       integer(int64), intent(inout) :: who(:)        !! (tile) Particles of the greatest distance
       type(neighbour_table_t) :: table
@@ -321,28 +328,25 @@ contains
       logical, allocatable :: alone(:)
       integer :: tile, index
 
-      allocate (patch(2, simulation%space%grid%tile_nodes), total(2, &
-         simulation%space%grid%tile_nodes))
+      allocate (patch(2, space%grid%tile_nodes), total(2, space%grid%tile_nodes))
       !$omp do schedule(dynamic, 1)
-      do tile = 1, simulation%space%tiles%own
-         associate (grid => simulation%space%grid, coordinate => &
-            simulation%space%tiles%coordinate(:, tile))
+      do tile = 1, space%tiles%own
+         associate (grid => space%grid, coordinate => space%tiles%coordinate(:, tile))
             alone = nodes_alone(grid, coordinate)
             total = 0.0_wp
-            do index = 1, size(simulation%stores)
-               associate (store => simulation%stores(index), &
-                  material => simulation%materials(index))
+            do index = 1, size(stores)
+               associate (store => stores(index), material => materials(index))
                   if (store%count(tile) == 0) cycle
                   patch = 0.0_wp
                   call add_to_nodes(grid, coordinate, store, tile, material%density, &
                      is_loose(material), patch)
                   total = total + patch
                   all = 0.0_wp
-                  call measure_noise(grid, coordinate, alone, store, tile, may_lock(material), &
-                     patch, all)
+                  call measure_noise(grid, coordinate, alone, store, tile, &
+                     may_lock(material), patch, all)
                   found(noise:sums, tile) = found(noise:sums, tile) + all
-                  if (is_solid(material)) call examine_lengths(simulation%space, &
-                     simulation%balance, table, store, tile, found(:, tile), who(tile))
+                  if (is_solid(material)) call examine_lengths(space%grid, trust, table, store, &
+                     tile, found(:, tile), who(tile))
                end associate
             end do
             call measure_claims(grid, coordinate, alone, total, found(claimed, tile), &
@@ -353,9 +357,9 @@ contains
    end subroutine examine_sample
 
    !> Distances of neighbours of a store in a tile.
-   pure subroutine examine_lengths(space, balance, table, store, tile, found, who)
-      type(space_t), intent(in) :: space
-      type(conservation_t), intent(in) :: balance
+   pure subroutine examine_lengths(grid, trust, table, store, tile, found, who)
+      type(grid_t), intent(in) :: grid
+      type(trust_t), intent(in) :: trust
       type(neighbour_table_t), intent(inout) :: table !! Scratch space
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -364,12 +368,12 @@ contains
       real(wp) :: length(store%count(tile)), mass
       integer :: p
 
-      call table%lengths(space%grid, balance%trust%lattices, store, tile, length)
+      call table%lengths(grid, trust%lattices, store, tile, length)
       do p = 1, size(length)
          if (length(p) < 0.0_wp) cycle
          mass = store%state%mass(store%first(tile) + p - 1)
          found(seen_mass) = found(seen_mass) + mass
-         if (length(p) > apart*space%grid%spacing) found(far_mass) = found(far_mass) + mass
+         if (length(p) > apart*grid%spacing) found(far_mass) = found(far_mass) + mass
          if (length(p) < found(longest)) cycle
          if (length(p) > found(longest)) who = huge(1_int64)
          found(longest) = length(p)

@@ -11,7 +11,7 @@ module step_dissipation
    implicit none
    private
 
-   public :: record_damped, record_damping, record_losses, damps
+   public :: record_damped, record_damping, record_losses, measures_damping
 
 contains
 
@@ -42,7 +42,7 @@ contains
 
    !> Does the PIC fraction dissipate kinetic energy that is not recorded elsewhere, and can this
    !! loss be measured?
-   pure logical function damps(method, carries) result(measurable)
+   pure logical function measures_damping(method, carries) result(measurable)
       type(method_t), intent(in) :: method           !! Method with its transfer
       logical, intent(in) :: carries                 !! Does some material carry an internal energy?
 
@@ -51,7 +51,7 @@ contains
          .and. method%leapfrog .and. method%transfer%sweeps() == 0 &
          .and. method%transfer%flip_fraction() > 0.0_wp &
          .and. method%transfer%flip_fraction() < 1.0_wp
-   end function damps
+   end function measures_damping
 
    !> Record the kinetic energy that the PIC fraction removes from the particles of a tile. With the
    !! advection velocity c, FLIP alone would give them the velocity (v - (1 - f) c)/f, which is

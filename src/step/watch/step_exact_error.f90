@@ -8,7 +8,7 @@ module step_exact_error
    use io_state, only: state_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_effects_t, simulation_t
    implicit none
    private
 
@@ -32,25 +32,26 @@ contains
       real(wp) :: part(errors + 1), farthest, times(errors)
       integer :: index, tile, n
 
-      associate (case => simulation%effects%exact)
-         if (case%seen == simulation%clock%step) return
-         times = simulation%clock%time
-         times(2) = simulation%clock%time - simulation%scheme%method%lag(simulation%clock%dt)
-         if (simulation%scheme%method%strains_first()) times(3) = simulation%clock%time - &
-            simulation%clock%dt
+      associate (clock => simulation%clock, method => simulation%scheme%method, &
+         space => simulation%space, communicator => simulation%machine%communicator, &
+         case => simulation%effects%exact)
+         if (case%seen == clock%step) return
+         times = clock%time
+         times(2) = clock%time - method%lag(clock%dt)
+         if (method%strains_first()) times(3) = clock%time - clock%dt
          farthest = 0.0_wp
          do index = 1, size(simulation%stores)
             if (.not. allocated(case%material(index)%solution)) cycle
-            do tile = 1, simulation%space%tiles%own
-               call sum_tile(simulation%space%grid, case%material(index)%solution, &
-                  simulation%stores(index), tile, times, part, farthest)
+            do tile = 1, space%tiles%own
+               call sum_tile(space%grid, case%material(index)%solution, simulation%stores(index), &
+                  tile, times, part, farthest)
                do n = 1, errors + 1
                   call sums(n)%add(part(n))
                end do
             end do
          end do
          do n = 1, errors + 1
-            call sums(n)%over_ranks(simulation%machine%communicator)
+            call sums(n)%over_ranks(communicator)
          end do
          case%error = 0.0_wp
          if (sums(errors + 1)%value() > 0.0_wp) then
@@ -59,9 +60,8 @@ contains
             end do
          end if
          case%greatest_error = max(case%greatest_error, case%error(1))
-         case%greatest_motion = max(case%greatest_motion, &
-            simulation%machine%communicator%maximum(farthest))
-         case%seen = simulation%clock%step
+         case%greatest_motion = max(case%greatest_motion, communicator%maximum(farthest))
+         case%seen = clock%step
       end associate
    end subroutine measure_errors
 
@@ -102,26 +102,25 @@ contains
    end subroutine sum_tile
 
    !> Write the extremes to the state of a checkpoint.
-   subroutine save_errors(simulation, state)
-      type(simulation_t), intent(in) :: simulation
+   subroutine save_errors(effects, state)
+      type(simulation_effects_t), intent(in) :: effects
       type(state_t), intent(inout) :: state          !! State of the checkpoint
 
-      if (.not. allocated(simulation%effects%exact)) return
-      call state%set("exact_errors", [simulation%effects%exact%greatest_error, &
-         simulation%effects%exact%greatest_motion])
+      if (.not. allocated(effects%exact)) return
+      call state%set("exact_errors", [effects%exact%greatest_error, effects%exact%greatest_motion])
    end subroutine save_errors
 
    !> Read them from a checkpoint, if it has them.
-   subroutine load_errors(simulation, state)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine load_errors(effects, state)
+      type(simulation_effects_t), intent(inout) :: effects
       type(state_t), intent(in) :: state             !! State of the checkpoint
       real(wp), allocatable :: numbers(:)
       type(error_t), allocatable :: error
 
-      if (.not. allocated(simulation%effects%exact)) return
+      if (.not. allocated(effects%exact)) return
       call state%get("exact_errors", numbers, error)
       if (allocated(error)) return
-      simulation%effects%exact%greatest_error = numbers(1)
-      simulation%effects%exact%greatest_motion = numbers(2)
+      effects%exact%greatest_error = numbers(1)
+      effects%exact%greatest_motion = numbers(2)
    end subroutine load_errors
 end module step_exact_error

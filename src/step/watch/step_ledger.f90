@@ -130,7 +130,6 @@ module step_ledger
    !> The entries at one time and the errors of the balance.
    type :: balance_t
       real(wp) :: entry(size(ledger_entries)) = 0.0_wp      !! Values in SI
-      real(wp) :: speed_scale = 0.0_wp               !! Sum of mass times speed, for errors [kg m/s]
       real(wp) :: total = 0.0_wp !! Kinetic, internal, dissipated, lost, removed energy [J]
       real(wp) :: mass_error = 0.0_wp                !! Relative to the mass at the start
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
@@ -152,6 +151,7 @@ module step_ledger
    contains
       procedure :: record_lost => ledger_record_lost     !! Record the particles that left the box
       procedure :: record_particle => ledger_record_particle     !! Record a particle that leaves
+      procedure :: record_impulse => ledger_record_impulse !! Record the action of an external force
       procedure :: merge => ledger_merge             !! Add the sums of another ledger
       procedure :: clear => ledger_clear             !! Set the sums to zero
       procedure :: balance => ledger_balance         !! Present entries and errors
@@ -214,6 +214,21 @@ contains
       end do
    end subroutine ledger_record_particle
 
+   !> Record the impulse of an external force, its moment and its work.
+   subroutine ledger_record_impulse(self, push, moment, work)
+      class(ledger_t), intent(inout) :: self
+      real(wp), intent(in) :: push(3)                !! Impulse [N s]
+      real(wp), intent(in) :: moment(3)              !! Its moment about the origin [N m s]
+      real(wp), intent(in) :: work                   !! [J]
+      integer :: k
+
+      do k = 1, 3
+         call self%sums(impulse + k - 1)%add(push(k))
+         call self%sums(torque + k - 1)%add(moment(k))
+      end do
+      call self%sums(external_work)%add(work)
+   end subroutine ledger_record_impulse
+
    !> Add the sums of another ledger, such as that of a thread.
    subroutine ledger_merge(self, other)
       class(ledger_t), intent(inout) :: self
@@ -273,24 +288,24 @@ contains
       now%total = total%value()
       self%momentum_scale = max(self%momentum_scale, scales(1)%value())
       self%angular_scale = max(self%angular_scale, scales(2)%value())
-      now%mass_error = ratio(now%entry(mass) + now%entry(lost_mass) + now%entry(removed_mass) &
-         - self%start%entry(mass), self%start%entry(mass))
+      now%mass_error = quotient_of(now%entry(mass) + now%entry(lost_mass) &
+         + now%entry(removed_mass) - self%start%entry(mass), self%start%entry(mass))
       drift = now%entry(momentum:momentum + 2) + now%entry(lost_momentum:lost_momentum + 2) &
          + now%entry(removed_momentum:removed_momentum + 2) - now%entry(impulse:impulse + 2) &
          - self%start%entry(momentum:momentum + 2)
-      now%momentum_error = ratio(norm2(drift), self%momentum_scale)
+      now%momentum_error = quotient_of(norm2(drift), self%momentum_scale)
       drift = now%entry(angular:angular + 2) + now%entry(lost_angular:lost_angular + 2) &
          + now%entry(removed_angular:removed_angular + 2) &
          - now%entry(torque:torque + 2) - self%start%entry(angular:angular + 2)
       ! in a periodic box angular momentum has no meaning
       if (any(grid%periodic)) drift = 0.0_wp
-      now%angular_error = ratio(norm2(drift), self%angular_scale)
+      now%angular_error = quotient_of(norm2(drift), self%angular_scale)
       self%turn_scale = max(self%turn_scale, turning_motion(scales, now%entry), &
          least_turn*self%angular_scale)
-      now%turn_error = ratio(norm2(drift), self%turn_scale)
-      now%energy_error = ratio(now%total - self%start%total - now%entry(external_work), &
+      now%turn_error = quotient_of(norm2(drift), self%turn_scale)
+      now%energy_error = quotient_of(now%total - self%start%total - now%entry(external_work), &
          max(abs(self%start%total), abs(now%entry(external_work))))
-      now%damped_share = ratio(now%entry(damped), max(abs(self%start%total), &
+      now%damped_share = quotient_of(now%entry(damped), max(abs(self%start%total), &
          abs(now%entry(external_work))))
    end subroutine ledger_balance
 
@@ -412,13 +427,13 @@ contains
    end subroutine sum_tile
 
    !> Quotient, 0 if the scale is 0.
-   pure real(wp) function ratio(part, whole) result(quotient)
+   pure real(wp) function quotient_of(part, whole) result(quotient)
       real(wp), intent(in) :: part                   !! Difference
       real(wp), intent(in) :: whole                  !! Scale
 
       quotient = 0.0_wp
       if (abs(whole) > 0.0_wp) quotient = part/whole
-   end function ratio
+   end function quotient_of
 
    !> Write the running sums of all ranks to the state of a checkpoint.
    subroutine ledger_save(self, communicator, state)

@@ -2,9 +2,9 @@
 !> Moves tiles between ranks when some rank has too much work. Results do not depend on it.
 module step_load_balance
    use base_kinds, only: int64, wp
-   use mesh_tiles, only: partition_distributed_keys
+   use mesh_tiles, only: partition_distributed_keys, tiles_t
    use particle_store, only: moved_away, store_t
-   use step_simulation, only: machine_t, simulation_t, space_t
+   use step_simulation, only: clock_t, machine_t, simulation_t
    use step_sort_particles, only: count_particles, sort_particles
    implicit none
    private
@@ -23,41 +23,42 @@ module step_load_balance
 contains
 
    !> Switch on the measurement of work on tiles in the few steps before loads are compared.
-   subroutine watch_costs(simulation, balancing)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine watch_costs(tiles, clock, machine, balancing)
+      type(tiles_t), intent(in) :: tiles
+      type(clock_t), intent(in) :: clock
+      type(machine_t), intent(inout) :: machine
       type(balancing_t), intent(in) :: balancing     !! When
       real(wp), allocatable :: cost(:)
 
-      if (simulation%machine%communicator%size == 1 .or. .not. balancing%allowed) return
-      if (modulo(-simulation%clock%step - 1, balancing%every) >= measured_steps) return
-      if (allocated(simulation%machine%cost)) then
-         call carry_costs(simulation%space, simulation%machine, cost)
+      if (machine%communicator%size == 1 .or. .not. balancing%allowed) return
+      if (modulo(-clock%step - 1, balancing%every) >= measured_steps) return
+      if (allocated(machine%cost)) then
+         call carry_costs(tiles, machine, cost)
       else
-         allocate (cost(simulation%space%tiles%own))
+         allocate (cost(tiles%own))
          cost = 0.0_wp
       end if
-      call move_alloc(cost, simulation%machine%cost)
-      simulation%machine%cost_key = simulation%space%tiles%key(:simulation%space%tiles%own)
+      call move_alloc(cost, machine%cost)
+      machine%cost_key = tiles%key(:tiles%own)
    end subroutine watch_costs
 
    !> The measured work, for the present tiles; both lists of tiles ascend. New tiles have none.
-   pure subroutine carry_costs(space, machine, cost)
-      type(space_t), intent(in) :: space
+   pure subroutine carry_costs(tiles, machine, cost)
+      type(tiles_t), intent(in) :: tiles
       type(machine_t), intent(in) :: machine
       real(wp), allocatable, intent(out) :: cost(:)  !! (own tile) [s]
       integer :: tile, old
 
-      allocate (cost(space%tiles%own))
+      allocate (cost(tiles%own))
       cost = 0.0_wp
       old = 1
-      do tile = 1, space%tiles%own
+      do tile = 1, tiles%own
          do while (old <= size(machine%cost))
-            if (machine%cost_key(old) >= space%tiles%key(tile)) exit
+            if (machine%cost_key(old) >= tiles%key(tile)) exit
             old = old + 1
          end do
          if (old > size(machine%cost)) return
-         if (machine%cost_key(old) == space%tiles%key(tile)) &
-            cost(tile) = machine%cost(old)
+         if (machine%cost_key(old) == tiles%key(tile)) cost(tile) = machine%cost(old)
       end do
    end subroutine carry_costs
 
@@ -71,39 +72,42 @@ contains
       real(wp) :: ratio
       integer :: tile, index
 
-      if (.not. allocated(simulation%machine%cost)) return
-      if (mod(simulation%clock%step, balancing%every) /= 0) return
-      call weigh_tiles(simulation, weight)
-      deallocate (simulation%machine%cost, simulation%machine%cost_key)
-      total = sum(weight)
-      ratio = simulation%machine%communicator%maximum(real(total(1), wp))
-      call simulation%machine%communicator%total(total)
-      ratio = ratio*real(simulation%machine%communicator%size, wp)/real(max(total(1), 1_int64), wp)
-      call simulation%machine%load%record(simulation%clock%step, ratio)
-      if (ratio <= balancing%tolerance) return
-      call simulation%machine%timer%start(simulation%machine%phase%sort)
-      associate (tiles => simulation%space%tiles, rank => simulation%machine%communicator%rank)
-         call partition_distributed_keys(simulation%machine%communicator, tiles%key(:tiles%own), &
-            weight, &
-            border)
-         call tiles%cut(border)
-         do tile = 1, tiles%own
-            if (tiles%owner(tiles%key(tile)) == rank) cycle
-            simulation%machine%load%sent = simulation%machine%load%sent + 1
-            do index = 1, size(simulation%stores)
-               call send_tile(simulation%stores(index), tile)
+      associate (machine => simulation%machine)
+         if (.not. allocated(machine%cost)) return
+         if (mod(simulation%clock%step, balancing%every) /= 0) return
+         call weigh_tiles(simulation%space%tiles, simulation%stores, machine, weight)
+         deallocate (machine%cost, machine%cost_key)
+         total = sum(weight)
+         ratio = machine%communicator%maximum(real(total(1), wp))
+         call machine%communicator%total(total)
+         ratio = ratio*real(machine%communicator%size, wp)/real(max(total(1), 1_int64), wp)
+         call machine%load%record(simulation%clock%step, ratio)
+         if (ratio <= balancing%tolerance) return
+         call machine%timer%start(machine%phase%sort)
+         associate (tiles => simulation%space%tiles, rank => machine%communicator%rank)
+            call partition_distributed_keys(machine%communicator, tiles%key(:tiles%own), &
+               weight, border)
+            call tiles%cut(border)
+            do tile = 1, tiles%own
+               if (tiles%owner(tiles%key(tile)) == rank) cycle
+               machine%load%sent = machine%load%sent + 1
+               do index = 1, size(simulation%stores)
+                  call send_tile(simulation%stores(index), tile)
+               end do
             end do
-         end do
+         end associate
+         call machine%timer%stop(machine%phase%sort)
+         machine%load%cuts = machine%load%cuts + 1
+         call sort_particles(simulation)
       end associate
-      call simulation%machine%timer%stop(simulation%machine%phase%sort)
-      simulation%machine%load%cuts = simulation%machine%load%cuts + 1
-      call sort_particles(simulation)
    end subroutine balance_ranks
 
    !> Work of each tile in nanoseconds. Tiles created since the measurement get the mean work per
    !! particle.
-   subroutine weigh_tiles(simulation, weight)
-      type(simulation_t), intent(in) :: simulation   !! Measured
+   subroutine weigh_tiles(tiles, stores, machine, weight)
+      type(tiles_t), intent(in) :: tiles
+      type(store_t), intent(in) :: stores(:)
+      type(machine_t), intent(in) :: machine
       integer(int64), allocatable, intent(out) :: weight(:) !! (own tile) [ns], 1 or more
       real(wp), parameter :: nano = 1.0e-9_wp
       real(wp), allocatable :: cost(:)
@@ -111,14 +115,14 @@ contains
       integer(int64) :: particles
       integer :: tile, index
 
-      call carry_costs(simulation%space, simulation%machine, cost)
-      each = sum(cost)/real(max(count_particles(simulation), 1_int64), wp)
+      call carry_costs(tiles, machine, cost)
+      each = sum(cost)/real(max(count_particles(stores), 1_int64), wp)
       allocate (weight(size(cost)))
       do tile = 1, size(cost)
          if (.not. cost(tile) > 0.0_wp) then
             particles = 0
-            do index = 1, size(simulation%stores)
-               particles = particles + simulation%stores(index)%count(tile)
+            do index = 1, size(stores)
+               particles = particles + stores(index)%count(tile)
             end do
             cost(tile) = each*real(particles, wp)
          end if

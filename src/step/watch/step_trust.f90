@@ -4,26 +4,26 @@
 !! stops the run if a value is physically impossible. The values and their limits are (L.8) to
 !! (L.11) of doc/theory/ledger.md.
 module step_trust
+   use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_physics, fail
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_log, only: log_t
    use material_kinds, only: is_fluid
    use material_type, only: material_t
+   use mesh_grid, only: grid_t
    use mesh_motion, only: motion_t
    use particle_body, only: body_t
-   use particle_neighbours, only: lattice_t
    use particle_store, only: store_t
    use step_diagnostics, only: bounds_limits_t, bounds_sample_t, examine_bounds, examine_shapes, &
       find_greatest, measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, &
       shapes_sample_t
-   use step_ledger, only: balance_t, external_work, internal, mass, retired_mass, torque
-   use step_method, only: method_t
+   use step_ledger, only: balance_t, external_work, internal, ledger_t, mass, retired_mass, torque
    use step_offending_particle, only: fixed_step_text, name_particle, step_text
-   use step_simulation, only: conservation_t, machine_t, scheme_t, simulation_t
+   use step_simulation, only: scheme_t, simulation_effects_t, simulation_t, space_t
    use step_trust_record, only: apart, trust_angular, trust_bad, trust_damped, trust_energy, &
-      trust_heat, trust_mean, trust_means, trust_momentum, trust_noise, trust_ok, trust_retired, &
-      trust_speed, trust_stretch, trust_t, trust_volume, verdict_of
+      trust_heat, trust_mean, trust_momentum, trust_noise, trust_ok, trust_retired, trust_speed, &
+      trust_stretch, trust_t, trust_volume, verdict_of
    implicit none
    private
 
@@ -43,30 +43,31 @@ module step_trust
 contains
 
    !> Number the lattices of the bodies, which identify neighbours.
-   subroutine number_lattices(simulation, bodies)
-      type(simulation_t), intent(inout) :: simulation
+   subroutine number_lattices(grid, effects, trust, bodies)
+      type(grid_t), intent(in) :: grid
+      type(simulation_effects_t), intent(in) :: effects
+      type(trust_t), intent(inout) :: trust
       type(body_t), intent(in) :: bodies(:)
       integer(int64) :: next
       integer :: n, other
 
-      if (allocated(simulation%balance%trust%lattices)) deallocate &
-         (simulation%balance%trust%lattices)
-      allocate (simulation%balance%trust%lattices(size(bodies)))
+      if (allocated(trust%lattices)) deallocate (trust%lattices)
+      allocate (trust%lattices(size(bodies)))
       next = 1
       do n = 1, size(bodies)
-         associate (lattice => simulation%balance%trust%lattices(n))
+         associate (lattice => trust%lattices(n))
             lattice%first = next
-            lattice%sites = bodies(n)%sites(simulation%space%grid)
+            lattice%sites = bodies(n)%sites(grid)
             lattice%regular = bodies(n)%on_lattice()
             next = next + product(lattice%sites)
             lattice%origin = lattice%first
-            if (allocated(simulation%effects%contact) .or. .not. lattice%regular) cycle
+            if (allocated(effects%contact) .or. .not. lattice%regular) cycle
             ! without contact bodies of one lattice that touch at the start move as one
             do other = 1, n - 1
                if (bodies(other)%store /= bodies(n)%store .or. .not. &
                   bodies(other)%on_lattice()) cycle
                if (any(bodies(other)%per_cell /= bodies(n)%per_cell)) cycle
-               lattice%origin = simulation%balance%trust%lattices(other)%origin
+               lattice%origin = trust%lattices(other)%origin
                exit
             end do
          end associate
@@ -79,8 +80,8 @@ contains
       type(bounds_sample_t) :: sample
 
       if (simulation%balance%trust%begun) return
-      call examine_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, &
-         bounds_limits_t(), sample)
+      call examine_bounds(simulation%space%tiles, simulation%stores, &
+         simulation%machine%communicator, 0.0_wp, bounds_limits_t(), sample)
       associate (trust => simulation%balance%trust)
          trust%begun = .true.
          trust%checked = simulation%clock%time
@@ -124,18 +125,20 @@ contains
       type(bounds_sample_t) :: bounds
       type(shapes_sample_t) :: shapes
 
-      if (mod(simulation%clock%step, work_every) == 0) call note_work(simulation%balance, &
-         simulation%machine, simulation%balance%trust)
+      if (mod(simulation%clock%step, work_every) == 0) call note_work(simulation%balance%ledger, &
+         simulation%machine%communicator, simulation%balance%trust)
       if (mod(simulation%clock%step, bounds_every) == 0) then
          call measure_bounds(simulation, simulation%balance%trust, bounds)
-         call note_bounds(simulation, bounds, simulation%balance%trust)
+         call note_bounds(simulation%space, simulation%materials, simulation%effects, &
+            simulation%balance%ledger, bounds, simulation%balance%trust)
          call warn_of_bounds(simulation, bounds, log)
          call refuse_impossible(simulation, bounds, error)
          if (allocated(error)) return
       end if
       if (mod(simulation%clock%step, merge(shapes_first, shapes_every, &
          simulation%clock%step < shapes_later)) == 0) then
-         call examine_shapes(simulation, shapes)
+         call examine_shapes(simulation%space, simulation%materials, simulation%stores, &
+            simulation%balance%trust, simulation%machine%communicator, shapes)
          call note_shapes(shapes, simulation%clock%time, simulation%balance%trust)
          call warn_of_shapes(simulation, shapes, log)
       end if
@@ -155,10 +158,12 @@ contains
       trust = simulation%balance%trust
       trust%failed = code == exit_physics
       if (trust%begun .and. code /= exit_physics) then
-         call note_work(simulation%balance, simulation%machine, trust)
+         call note_work(simulation%balance%ledger, simulation%machine%communicator, trust)
          call measure_bounds(simulation, trust, bounds)
-         call note_bounds(simulation, bounds, trust)
-         call examine_shapes(simulation, shapes)
+         call note_bounds(simulation%space, simulation%materials, simulation%effects, &
+            simulation%balance%ledger, bounds, trust)
+         call examine_shapes(simulation%space, simulation%materials, simulation%stores, &
+            simulation%balance%trust, simulation%machine%communicator, shapes)
          call note_shapes(shapes, simulation%clock%time, trust)
       end if
       trust%worst(trust_energy) = abs(now%energy_error)
@@ -169,7 +174,7 @@ contains
             *sqrt(max(greatest_wave_square(simulation%materials), &
             now%entry(internal)/ledger%start%entry(mass))))
       end associate
-      call rate_turning(simulation, now, trust)
+      call rate_turning(simulation%space, simulation%effects, now, trust)
       if (simulation%balance%ledger%start%entry(mass) > 0.0_wp) trust%worst(trust_retired) = &
          now%entry(retired_mass)/simulation%balance%ledger%start%entry(mass)
    end subroutine final_trust
@@ -177,16 +182,17 @@ contains
    !> Error of the balance of angular momentum. Where walls, rigid regions or loads exert torques
    !! that cancel, as under a footing, a small part of them exceeds the slow motion: not measured.
    !! Gravity alone exerts none about the centre of mass. Equation (L.14).
-   pure subroutine rate_turning(simulation, now, trust)
-      type(simulation_t), intent(in) :: simulation
+   pure subroutine rate_turning(space, effects, now, trust)
+      type(space_t), intent(in) :: space
+      type(simulation_effects_t), intent(in) :: effects
       type(balance_t), intent(in) :: now             !! Balance at this time
       type(trust_t), intent(inout) :: trust          !! Gets the error
       logical :: held
 
-      held = allocated(simulation%space%boundary%wall) .or. allocated(simulation%space%rigid) .or. &
-         allocated(simulation%effects%loads)
+      held = allocated(space%boundary%wall) .or. allocated(space%rigid) .or. &
+         allocated(effects%loads)
       if (held) held = any(abs(now%entry(torque:torque + 2)) > 0.0_wp)
-      if (held .or. allocated(simulation%effects%exact)) return
+      if (held .or. allocated(effects%exact)) return
       trust%worst(trust_angular) = now%turn_error
    end subroutine rate_turning
 
@@ -223,25 +229,30 @@ contains
       type(bounds_limits_t) :: limits
       real(wp) :: scale
 
-      limits%square = fast**2*explained_square(simulation, trust)
-      scale = explained_energy(simulation, trust)
+      limits%square = fast**2*explained_square(simulation%space, simulation%materials, &
+         simulation%effects, simulation%balance%ledger, trust)
+      scale = explained_energy(simulation%space, simulation%materials, simulation%effects, &
+         simulation%balance%ledger, trust)
       limits%hot = trust%least_energy + hot*scale
       limits%cold = trust%least_energy - cold*scale
-      call examine_bounds(simulation%space, simulation%stores, simulation%machine, &
-         trust%least_energy, limits, sample)
+      call examine_bounds(simulation%space%tiles, simulation%stores, &
+         simulation%machine%communicator, trust%least_energy, limits, sample)
    end subroutine measure_bounds
 
    !> Update speeds and energies. The energy of implausible particles is rated by its mean over the
    !! steps: a few fast particles while hardly anything moves have no weight, and an instability,
    !! which grows while steps become short, dominates. Manufactured solutions have no limits.
-   pure subroutine note_bounds(simulation, sample, trust)
-      type(simulation_t), intent(in) :: simulation
+   pure subroutine note_bounds(space, materials, effects, ledger, sample, trust)
+      type(space_t), intent(in) :: space
+      type(material_t), intent(in) :: materials(:)
+      type(simulation_effects_t), intent(in) :: effects
+      type(ledger_t), intent(in) :: ledger
       type(bounds_sample_t), intent(in) :: sample        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The values so far
       real(wp) :: square, scale
 
-      if (allocated(simulation%effects%exact)) return
-      square = explained_square(simulation, trust)
+      if (allocated(effects%exact)) return
+      square = explained_square(space, materials, effects, ledger, trust)
       associate (greatest => trust%greatest, worst => trust%worst)
          trust%integral(3) = trust%integral(3) + sample%fast
          trust%integral(4) = trust%integral(4) + sample%odd
@@ -250,7 +261,7 @@ contains
             greatest(trust_speed) = max(greatest(trust_speed), sample%speed/sqrt(square))
             worst(trust_speed) = trust_mean(trust, 3)
          end if
-         scale = explained_energy(simulation, trust)
+         scale = explained_energy(space, materials, effects, ledger, trust)
          if (sample%heat < sample%cold .or. .not. scale > 0.0_wp) return
          worst(trust_heat) = trust_mean(trust, 4)
          call take_worse(greatest(trust_heat), (sample%heat - trust%least_energy)/scale)
@@ -267,35 +278,41 @@ contains
    end subroutine take_worse
 
    !> Energy per mass that start, walls, gravity and work explain [J/kg].
-   pure real(wp) function explained_energy(simulation, trust) result(energy)
-      type(simulation_t), intent(in) :: simulation
+   pure real(wp) function explained_energy(space, materials, effects, ledger, trust) result(energy)
+      type(space_t), intent(in) :: space
+      type(material_t), intent(in) :: materials(:)
+      type(simulation_effects_t), intent(in) :: effects
+      type(ledger_t), intent(in) :: ledger
       type(trust_t), intent(in) :: trust             !! Values so far
 
-      energy = max(0.5_wp*explained_square(simulation, trust), &
-         0.01_wp*greatest_wave_square(simulation%materials))
+      energy = max(0.5_wp*explained_square(space, materials, effects, ledger, trust), &
+         0.01_wp*greatest_wave_square(materials))
    end function explained_energy
 
    !> Update the greatest work of walls and gravity so far. Collective.
-   subroutine note_work(balance, machine, trust)
-      type(conservation_t), intent(in) :: balance
-      type(machine_t), intent(in) :: machine
+   subroutine note_work(ledger, communicator, trust)
+      type(ledger_t), intent(in) :: ledger
+      type(communicator_t), intent(in) :: communicator
       type(trust_t), intent(inout) :: trust          !! The greatest so far
       type(exact_sum_t) :: sum
 
-      call sum%merge(balance%ledger%sums(external_work))
-      call sum%over_ranks(machine%communicator)
+      call sum%merge(ledger%sums(external_work))
+      call sum%over_ranks(communicator)
       trust%work = max(trust%work, abs(sum%value()))
    end subroutine note_work
 
    !> Square of the greatest speed that start, walls, gravity, energy at the start and work explain
    !! [m2/s2]. Equation (L.10).
-   pure real(wp) function explained_square(simulation, trust) result(square)
-      type(simulation_t), intent(in) :: simulation
+   pure real(wp) function explained_square(space, materials, effects, ledger, trust) result(square)
+      type(space_t), intent(in) :: space
+      type(material_t), intent(in) :: materials(:)
+      type(simulation_effects_t), intent(in) :: effects
+      type(ledger_t), intent(in) :: ledger
       type(trust_t), intent(in) :: trust             !! Values at the start
       integer :: n
 
       square = max(trust%start_speed**2, 2.0_wp*trust%start_energy)
-      associate (boundary => simulation%space%boundary, grid => simulation%space%grid)
+      associate (boundary => space%boundary, grid => space%grid)
          if (allocated(boundary%wall)) then
             do n = 1, size(boundary%wall)
                square = max(square, greatest_motion(boundary%wall(n)%motion)**2)
@@ -303,19 +320,20 @@ contains
          end if
          do n = 1, 6
             if (boundary%warm(n)) square = max(square, 2.0_wp*boundary%temperature(n) &
-               *greatest_capacity(simulation%materials))
+               *greatest_capacity(materials))
          end do
-         if (allocated(simulation%effects%gravity)) square = max(square, 2.0_wp*sum( &
-            abs(simulation%effects%gravity)*(grid%upper - grid%lower), mask=grid%active))
-         if (allocated(simulation%effects%shaking)) square = max(square, 2.0_wp* &
-            greatest_motion(simulation%effects%shaking)*norm2(grid%upper - grid%lower))
+         if (allocated(effects%gravity)) square = &
+            max(square, 2.0_wp*sum(abs(effects%gravity)*(grid%upper - grid%lower), &
+            mask=grid%active))
+         if (allocated(effects%shaking)) square = &
+            max(square, 2.0_wp* greatest_motion(effects%shaking)*norm2(grid%upper - grid%lower))
       end associate
-      if (allocated(simulation%space%rigid)) then
-         do n = 1, size(simulation%space%rigid%wall)
-            square = max(square, greatest_motion(simulation%space%rigid%wall(n)%motion)**2)
+      if (allocated(space%rigid)) then
+         do n = 1, size(space%rigid%wall)
+            square = max(square, greatest_motion(space%rigid%wall(n)%motion)**2)
          end do
       end if
-      associate (whole => simulation%balance%ledger%start%entry(mass))
+      associate (whole => ledger%start%entry(mass))
          if (whole > 0.0_wp) square = max(square, 2.0_wp*trust%work/whole)
       end associate
       ! loads may act on a small part of a body at rest, whose mean work is then small
@@ -362,23 +380,23 @@ contains
       character(len=160) :: text
 
       associate (trust => simulation%balance%trust)
-         if (warns(trust, trust_speed)) then
+         if (is_warning_due(trust, trust_speed)) then
             write (text, "(a,es10.3,a,es9.2,a)") "its speed", sample%speed, " m/s is", &
                trust%greatest(trust_speed), " times the speed that initial "// &
                "state, walls, gravity and work explain"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
-               simulation%stores, simulation%machine, measure_speed, &
+               simulation%stores, simulation%machine%communicator, measure_speed, &
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
                "try a smaller "//trim(merge("dt_fixed", "cfl     ", &
                simulation%clock%guard%bounds%dt_fixed > 0.0_wp))// &
                " or more particles per cell (ppc) [R112]")
          end if
-         if (.not. warns(trust, trust_heat)) return
+         if (.not. is_warning_due(trust, trust_heat)) return
          if (trust%greatest(trust_heat) > 0.0_wp) then
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", sample%heat, " J/kg is", &
                trust%greatest(trust_heat), " times the energy supplied"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
-               simulation%stores, simulation%machine, measure_heat, &
+               simulation%stores, simulation%machine%communicator, measure_heat, &
                trust%least_energy), trim(text)//"; check its equation of state, or remove "// &
                "such particles with &time on_bad = 'retire' [R113]")
          else
@@ -386,7 +404,7 @@ contains
                " J/kg is below the least initial energy by", -trust%greatest(trust_heat), &
                " times the energy supplied"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
-               simulation%stores, simulation%machine, measure_cold, &
+               simulation%stores, simulation%machine%communicator, measure_cold, &
                trust%least_energy), trim(text)//"; check its equation of state in expansion, "// &
                "or give the material a spall strength [R113]")
          end if
@@ -401,7 +419,7 @@ contains
       character(len=200) :: text
 
       associate (trust => simulation%balance%trust)
-         if (warns(trust, trust_stretch)) then
+         if (is_warning_due(trust, trust_stretch)) then
             write (text, "(a,f0.2,a,f0.1,a,f0.1,a)") "its neighbour is ", sample%longest, &
                " cells away, and in ", 100.0_wp*sample%share, &
                " % of the mass neighbours are more than ", apart, " cells apart"
@@ -410,29 +428,31 @@ contains
                "= .true. [R114]")
          end if
          if (verdict_of(trust_volume, trust%worst(trust_volume)) /= trust_bad) return
-         if (.not. warns(trust, trust_volume)) return
+         if (.not. is_warning_due(trust, trust_volume)) return
          write (text, "(a,f0.1,a)") "its volume has grown most, and particles have ", &
             100.0_wp*sample%overlap, " % more volume than the cells that they fill"
          call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
-            simulation%stores, simulation%machine, measure_volume, &
-            trust%least_energy), trim(text)//"; "//volume_remedy(simulation)//" [R115]")
+            simulation%stores, simulation%machine%communicator, measure_volume, &
+            trust%least_energy), trim(text)//"; "//volume_remedy(simulation%materials, &
+            simulation%scheme)//" [R115]")
       end associate
    end subroutine warn_of_shapes
 
    !> Remedy for volumes that exceed those of the cells.
-   function volume_remedy(simulation) result(remedy)
-      type(simulation_t), intent(in) :: simulation
+   function volume_remedy(materials, scheme) result(remedy)
+      type(material_t), intent(in) :: materials(:)
+      type(scheme_t), intent(in) :: scheme
       character(len=:), allocatable :: remedy
       integer :: n
 
       remedy = "use a lattice or more particles per cell (ppc)"
-      if (allocated(simulation%scheme%normalises) .or. .not. simulation%scheme%method%dual) return
-      if (any([(is_fluid(simulation%materials(n)), n=1, size(simulation%materials))])) &
-         remedy = "use &method normalise = 'fluids', a lattice or more particles per cell (ppc)"
+      if (allocated(scheme%normalises) .or. .not. scheme%method%dual) return
+      if (any([(is_fluid(materials(n)), n=1, size(materials))])) remedy = &
+         "use &method normalise = 'fluids', a lattice or more particles per cell (ppc)"
    end function volume_remedy
 
    !> Is a warning due? It is given once, when a value is no longer ok.
-   logical function warns(trust, entry) result(due)
+   logical function is_warning_due(trust, entry) result(due)
       type(trust_t), intent(inout) :: trust          !! Notes that the warning is printed
       integer, intent(in) :: entry                   !! Subject of the warning
 
@@ -440,7 +460,7 @@ contains
       if (trust%warned(entry)) return
       due = verdict_of(entry, trust%worst(entry)) /= trust_ok
       trust%warned(entry) = due
-   end function warns
+   end function is_warning_due
 
    !> Print a warning with step, time and a particle. Collective.
    subroutine warn_of_particle(simulation, log, identity, words)
@@ -471,12 +491,12 @@ contains
          available = start%total - min(0.0_wp, trust%least_energy)*start%entry(mass) + trust%work
          if (.not. available > 0.0_wp .or. sample%energy <= margin*available) return
          call name_particle(simulation, find_greatest(simulation%materials, simulation%stores, &
-            simulation%machine, measure_energy, trust%least_energy), who)
+            simulation%machine%communicator, measure_energy, trust%least_energy), who)
          write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", sample%energy, &
             " J, more than the energy of the whole run,", available, " J"
       end associate
       call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text)// &
-         " [R111]"//fixed_step_text(simulation))
+         " [R111]"//fixed_step_text(simulation%scheme%method, simulation%clock))
    end subroutine refuse_impossible
    !> True if a material has a temperature and no internal energy, while others have one. Heat that
    !! is conducted between them is not in the energy balance.
