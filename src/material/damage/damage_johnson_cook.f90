@@ -185,7 +185,6 @@ contains
    end subroutine grow
 
    !> Kernel of the above: a group of particles that flow.
-   ! gate: long kernel because the strain to failure depends on four fields
    pure subroutine grow_lanes(model, count, filled, place, before, dt, stress, pressure, &
       plastic_increment, homologous, damage)
       class(damage_johnson_cook_t), intent(in) :: model

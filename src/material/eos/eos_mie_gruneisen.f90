@@ -119,7 +119,6 @@ contains
    end subroutine mie_gruneisen_update
 
    !> Kernel of the above.
-   ! gate: long kernel because the constants are separate arguments, as in the function of a state
    pure subroutine pressure_of_state(first, last, density, sound, slope, gamma, mass, volume, &
       energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range

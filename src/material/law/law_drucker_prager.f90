@@ -140,7 +140,6 @@ contains
    !! plasticity", 2008, section 8.3). Flow dilates only on the cone, because separated grains do
    !! not climb over each other. The work uses the mean pressure (p + p')/2 of the step, where the
    !! pressure before it is that of the trial less the change by the strain. Equation (Y.22).
-   ! gate: long kernel because flow changes stress, pressure and volume
    pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
       plastic_increment, plastic_work, dilation)
       integer, intent(in) :: first                   !! First particle of the range

@@ -162,7 +162,6 @@ contains
 
    !> Collect the particles of a group whose trial stress is above a bound of the yield stress
    !! without its powers; the others do not flow.
-   ! gate: long kernel because it reads four fields of a group and writes two
    pure subroutine collect(law, offset, count, before, homologous, plastic_strain, &
       plastic_increment, plastic_work, lanes)
       class(law_johnson_cook_t), intent(in) :: law

@@ -300,7 +300,6 @@ contains
 
    !> Collect the particles of a group whose trial stress is above the yield stress without
    !! hardening; the others do not flow.
-   ! gate: long kernel because it reads five fields of a group and writes two
    pure subroutine collect(law, offset, count, before, ratio, trial_ratio, plastic_strain, &
       plastic_increment, plastic_work, lanes)
       class(law_steinberg_guinan_t), intent(in) :: law

@@ -164,7 +164,6 @@ contains
    !! step beyond the upper end of the bracket is replaced by bisection. A step beyond the lower end
    !! is due to steep initial hardening far below; it shortens the bracket by a larger factor,
    !! because steps from below do not pass the root.
-   ! gate: long kernel because a step of Newton's method needs value, slope, curvature and bracket
    pure subroutine improve(filled, power, base, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes
       type(hardening_power_t), intent(in) :: power
@@ -224,7 +223,6 @@ contains
 
    !> Move results of lanes to the particles of a group: the plastic increment in place of the trial
    !! stress, and work, stress and plastic strain. Equations (Y.1) and (Y.2).
-   ! gate: long kernel because a return changes four fields of a particle
    pure subroutine move_flow_results(offset, before, lanes, volume, stress, plastic_strain, &
       plastic_increment, plastic_work)
       integer, intent(in) :: offset                  !! Index offset in the range

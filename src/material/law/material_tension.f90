@@ -137,7 +137,6 @@ contains
    !> Mark particles with complete damage or with tension at the limit as failed, and turn failed
    !! particles into rubble. The elastic energy that a particle loses on failing is recorded as
    !! plastic work. Equations (A.7) and (A.8) of doc/theory/matter.md.
-   ! gate: long kernel because failure changes all parts of the stress
    pure subroutine fail_as_rubble(first, last, strength, shear, bulk, volume, stress, pressure, &
       pressure_floor, damage, failed, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range

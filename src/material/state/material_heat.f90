@@ -41,7 +41,6 @@ contains
    !! plastic work and of artificial viscosity is added. Where the material is at its least
    !! pressure, voids open or close and the material itself keeps its volume and temperature.
    !! Equations (A.12) and (A.13) of doc/theory/matter.md.
-   ! gate: long kernel because heat has many sources
    pure subroutine heat_particles(first, last, specific_heat, plastic_share, gruneisen, mass, &
       volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
       integer, intent(in) :: first                   !! First particle of the range

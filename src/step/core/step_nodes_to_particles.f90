@@ -409,7 +409,6 @@ contains
    end subroutine find_strain
 
    !> Add the difference between the sides of nodes to values of the particles of a tile.
-   ! gate: long kernel because the node fields of both sides are arguments of their own
    subroutine add_values(simulation, field, shape, index, tile, factor, mine, theirs, before, &
       values)
       type(simulation_t), intent(in) :: simulation

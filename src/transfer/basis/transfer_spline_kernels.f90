@@ -169,7 +169,6 @@ contains
    end subroutine multiply_slopes
 
    !> Add sum S_i value of four columns of some particles to the sums of the nodes.
-   ! gate: long kernel because arrays are given by their sizes
    pure subroutine add_values(reach, number, lines, values, up, numbers, sums)
       integer, intent(in) :: reach                           !! Nodes along a line
       integer, intent(in) :: number                          !! Number of particles
@@ -203,7 +202,7 @@ contains
    end subroutine add_values
 
    !> Add values to the three nodes of a line.
-   ! gate: long kernel because functions in registers are numbers
+   ! The functions are scalars, so that they stay in registers.
    pure subroutine add_three(factor, w1, w2, w3, values, before, numbers, sums)
       real(wp), intent(in) :: factor                         !! Function of the line
       real(wp), intent(in) :: w1, w2, w3                     !! Functions of its nodes
@@ -224,7 +223,7 @@ contains
    end subroutine add_three
 
    !> Add values to the four nodes of a line.
-   ! gate: long kernel because functions in registers are numbers
+   ! The functions are scalars, so that they stay in registers.
    pure subroutine add_four(factor, w1, w2, w3, w4, values, before, numbers, sums)
       real(wp), intent(in) :: factor                         !! Function of the line
       real(wp), intent(in) :: w1, w2, w3, w4                 !! Functions of its nodes

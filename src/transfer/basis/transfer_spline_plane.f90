@@ -52,7 +52,6 @@ contains
    end subroutine scatter_plane_values
 
    !> Add sum S_i value of four columns to the sums of the nodes.
-   ! gate: long kernel because arrays are given by their sizes
    pure subroutine scatter_plane_columns(grid, after, start, rows, weight, low, values, numbers, &
       sums)
       type(grid_t), intent(in) :: grid
@@ -118,7 +117,6 @@ contains
    end subroutine scatter_plane_stress
 
    !> Add the force of loads to the sums of the nodes.
-   ! gate: long kernel because arrays are given by their sizes
    pure subroutine scatter_plane_loads(grid, after, start, rows, weight, slope, low, load, &
       numbers, sums)
       type(grid_t), intent(in) :: grid

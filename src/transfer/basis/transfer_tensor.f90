@@ -276,7 +276,6 @@ contains
    end subroutine tensor_gather_values
 
    !> Particle velocities and positions from node velocities.
-   ! gate: long kernel because it overrides one
    pure subroutine tensor_gather_motion(self, grid, shape, first, increment, advection, &
       flip_fraction, dt, velocity, position)
       class(basis_tensor_t), intent(in) :: self

@@ -139,7 +139,6 @@ contains
 
    !> Gradients of the polynomials of a vector at eight particles, blended with the values of the
    !! polynomials of a tensor.
-   ! gate: long kernel because its columns have lengths of their own
    pure subroutine blend_slopes(u, w, before, rows, local, shares, alpha, columns, slopes)
       real(wp), intent(in) :: u(4, lanes) !! (component, term) Coefficients of the vector
       real(wp), intent(in) :: w(tensor, lanes) !! (component, term) Coefficients of the tensor
@@ -164,7 +163,7 @@ contains
    end subroutine blend_slopes
 
    !> Slope along one direction, blended with the value of another polynomial.
-   ! gate: long kernel because coefficients in registers are twelve numbers
+   ! The coefficients are scalars, so that they stay in registers.
    pure subroutine blend(u1, u2, u3, u4, one, other, w, x, y, z, alpha, slopes)
       real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients of the slope
       real(wp), intent(in) :: one(lanes)                     !! (lane) Coordinate along one [1]

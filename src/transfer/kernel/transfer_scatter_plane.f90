@@ -65,7 +65,6 @@ contains
    end subroutine plane_values
 
    !> Add sum S_i value of up to four columns to columns of a patch.
-   ! gate: long kernel because columns in registers are arrays of their own
    pure subroutine add_columns(grid, start, local, c1, c2, c3, c4, number, &
       before, patch)
       type(grid_t), intent(in) :: grid
@@ -230,7 +229,6 @@ contains
    !> Add the part of the internal force on the cell to columns 5 to 7, the volume to column 8, and
    !! the stress mapped to the nodes, sum v (1 - alpha_l) sigma_kl S, to column 8 + k + 3 (l - 1).
    !! Without factors those of the edges are one.
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine plane_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
       factor)
       type(grid_t), intent(in) :: grid
