@@ -5,7 +5,8 @@ Called by scripts/test.sh, which builds first and documents the options. Only th
 
 Every test is in one or more tiers, according to its labels: smoke (a few minutes, every part of the program), full (all
 default tests) and long (studies of many minutes). Lines of a test's output that begin with KNOWN (a known miss: a
-target that is not met yet) or SKIPPED (a part that cannot run on this machine) are collected into tables.
+target that is not met yet), WARNING (sizes above a limit) or SKIPPED (a part that cannot run on this machine) are
+collected into tables.
 """
 
 import argparse
@@ -164,6 +165,7 @@ def report(results, choice, everything, spent):
     for name, text in marked(results, "KNOWN"):
         match = re.match(r"(.*): (\S+) \((.*)\)$", text)
         known.append((name, *match.groups()) if match else (name, text, "", ""))
+    table("Warnings", marked(results, "WARNING"))
     skipped = marked(results, "SKIPPED")
     said = {name for name, _ in skipped}
     skipped += [(name, "all: no reason was given") for name, result, _, _ in results

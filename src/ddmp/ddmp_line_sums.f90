@@ -138,7 +138,6 @@ contains
    !> Integrals of products with both functions along two directions, times the weights of cells,
    !! summed over the cells around, in space. The sums begin and end with zeros over the distance of
    !! the next node along the third direction.
-   ! gate: long kernel because directions are given by their shifts
    pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
       integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: pad                     !! Offset in memory

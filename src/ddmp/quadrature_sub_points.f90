@@ -83,7 +83,6 @@ contains
 
    !> Means along one direction for the particles of a cell. Sub-points beyond the box of the grid,
    !! or more than a cell away, are moved to the border.
-   ! gate: long kernel because a cell is given by its range and place
    pure subroutine mean_cell(rule, grid, direction, cell, first, from, to, extent, shape)
       class(quadrature_sub_points_t), intent(in) :: rule     !! alpha and blend
       type(grid_t), intent(in) :: grid

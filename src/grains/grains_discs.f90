@@ -47,7 +47,7 @@ contains
    end subroutine push_discs
 
    !> Force of one pair that touches or touched in the previous step.
-   ! gate: long kernel because all steps from overlap to force use the same intermediate values
+   ! One procedure, because all steps from overlap to force use the same intermediate values.
    pure subroutine push_pair(grains, box, law, time, dt, i, j, dx, dy, history, push)
       type(grains_t), intent(in) :: grains
       type(box_t), intent(in) :: box

@@ -37,7 +37,7 @@ module io_snapshot
    !> Content of a snapshot other than the particles. The same on all ranks. Texts that are not
    !! allocated and counts that are 0 are left out; without host, date, ranks, threads and wall time
    !! equal runs give equal bytes.
-   ! gate: header record because each component is an attribute of the file
+   ! Each component is an attribute of the file.
    type :: snapshot_header_t
       character(len=:), allocatable :: code              !! Name of the program
       character(len=:), allocatable :: version           !! Version of the program

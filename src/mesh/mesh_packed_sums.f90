@@ -11,7 +11,6 @@ contains
 
    !> Add a box of nodes of a packed patch to sums. A line along x is contiguous in both, and so are
    !! lines that follow one another in both.
-   ! gate: long kernel because a box in a box needs its corners and lengths
    pure subroutine add_box(rows, low, high, margin, stride, corner, length, packed, numbers, sums)
       integer, intent(in) :: rows                    !! Numbers per node
       integer, intent(in) :: low(3), high(3)         !! Lowest and highest node that both have
@@ -70,7 +69,6 @@ contains
    end subroutine add_line
 
    !> Add a box of nodes in the plane of x and z to sums of all rows, or of the kept ones alone.
-   ! gate: long kernel because a box in a box needs its corners and lengths
    pure subroutine add_plane(row, nodes, lines, here, stride, there, length, packed, total)
       integer, contiguous, intent(in) :: row(:)      !! Rows that are kept
       integer, intent(in) :: nodes                   !! Nodes along x

@@ -188,7 +188,6 @@ contains
    end subroutine assemble_greatest
 
    !> The box of nodes that a tile has in common with one around it, margins included.
-   ! gate: long kernel because a box needs two corners and its lengths
    pure subroutine common_box(grid, tiles, tile, other, place, mine, theirs, length)
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles

@@ -69,7 +69,6 @@ contains
 
    !> Find the cells of the particles of a tile, `moved_away` outside of it; without branches, so
    !! that the loop vectorises.
-   ! gate: long kernel because a tile is given by its grid, coordinate and range
    pure subroutine find_homes(grid, coordinate, first, last, position, home, leaving, changed)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0

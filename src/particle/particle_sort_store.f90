@@ -68,7 +68,6 @@ contains
    end function keeps_length
 
    !> Find the old index or the row of each particle, and its cell.
-   ! gate: long kernel because newcomers are given by their rows, groups and cells
    subroutine find_sources(store, first, rows, before, row, home, source, cells)
       type(store_t), intent(inout) :: store           !! Gets the ranges of cells
       integer, intent(in) :: first(:)                 !! (tile) First particle of the new range

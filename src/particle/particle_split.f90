@@ -50,7 +50,6 @@ module particle_split
 contains
 
    !> Split the particles of a store that are too long, before it is sorted.
-   ! gate: long kernel because material, grid and boundary decide where halves may be
    subroutine split_store(splitting, full, grid, boundary, tiles, store, gain)
       type(splitting_t), intent(in) :: splitting
       !> (0:cells - 1, tile) Cells that are full, of a material without strength; else not allocated
@@ -261,7 +260,6 @@ contains
 
    !> Turn two equal particles into halves, whose velocities conserve the momentum of the whole.
    !! Equations (P.2) and (P.3).
-   ! gate: long kernel because a split is given by two particles, edge and rate
    pure subroutine halve_particle(grid, flows, store, low, high, edge, opening, gain)
       type(grid_t), intent(in) :: grid
       logical, intent(in) :: flows                   !! Is the material without strength?

@@ -1,21 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""Types, argument lists, nesting and folders are small enough to be read.
+"""Sizes of files, procedures, argument lists, types and folders, and the depth of nesting.
 
-Would catch a type with components of unrelated purposes, a procedure with too many arguments, deeply nested loops and
-conditions, and a folder with too many modules.
+These tests warn: a size above its limit asks for a division by subjects, and no rule or mark excuses it. The last line
+has the counts; pytest lists the places. Would catch (as a failure) only a counter that no longer counts.
 """
 
 import re
 import warnings
 from collections import Counter
 
-from sources import COVERED, END_PROCEDURE, PROCEDURE, ROOT, TYPE, lines_of, place, project_files, statements
+from sources import END_PROCEDURE, PROCEDURE, ROOT, TYPE, Module, lines_of, project_files, statements
 
-COMPONENTS, ARGUMENTS, NESTING, MODULES = 16, 10, 4, 40
-# Marks in comments directly above a type or a procedure that allow an exception, each with its reason.
-HEADER_RECORD = "! gate: header record because "
-LONG_KERNEL = "! gate: long kernel because "
+LIMITS = {"lines of a file": 500, "lines of a procedure": 60, "arguments": 8, "arguments of a kernel": 10,
+          "components": 16, "nested blocks": 4, "modules of a folder": 40}
 OPENS = re.compile(
     r"^(?:\w+\s*:\s*)?(?:do(?:\s|$)|if\s*\(.*\)\s*then$|select\s|associate\s*\(|block$|critical$)"
     r"|^(?:where|forall)\s*\([^=]*\)$", re.I)
@@ -25,16 +23,6 @@ CLOSES = re.compile(r"^end\s*(?:do|if|select|associate|block|critical|where|fora
 def without_strings(text):
     """A statement with empty strings, so that brackets and keywords in strings are not counted."""
     return re.sub(r'"[^"]*"|\'[^\']*\'', '""', text)
-
-
-def is_marked(lines, line, marker):
-    """True if the comment lines directly above a statement contain a mark."""
-    above = line - 2
-    while above >= 0 and lines[above].lstrip().startswith("!"):
-        if marker in lines[above]:
-            return True
-        above -= 1
-    return False
 
 
 def names_of(declaration):
@@ -57,79 +45,80 @@ def opens_block(text):
     return bool(OPENS.match(text))
 
 
-def offences_of(path):
-    """Pairs (line, message) of one file."""
-    lines = lines_of(path)
-    found, inside_type, procedures = [], None, []
+def types_and_nesting(path):
+    """(line, name, measure, size) of the types of a file, and of its procedures the greatest depth of blocks."""
+    inside_type, procedures = None, []
     for line, raw in statements(path):
         text = without_strings(raw)
         low = text.lower()
         if inside_type:
             if re.match(r"end\s*type\b", low):
-                name, first, count = inside_type
-                if count > COMPONENTS and not is_marked(lines, first, HEADER_RECORD):
-                    found.append((first, f"type {name} has {count} components, limit {COMPONENTS}"))
+                yield inside_type[1], inside_type[0], "components", inside_type[2]
                 inside_type = None
             elif "::" in low and not re.match(r"(?:procedure|generic|final)\b", low):
                 inside_type[2] += names_of(text)
         elif TYPE.match(low) and not low.startswith("type is"):
             inside_type = [TYPE.match(low).group(1), line, 0]
         elif END_PROCEDURE.match(low):
-            procedures.pop()
+            name, first, _, deepest = procedures.pop()
+            yield first, name, "nested blocks", deepest
         elif PROCEDURE.match(low) and not low.startswith("end"):
-            name = PROCEDURE.match(low).group(2)
-            arguments = re.search(r"\b%s\s*\(([^)]*)\)" % name, low)
-            count = len(re.findall(r"\w+", arguments.group(1))) if arguments else 0
-            if count > ARGUMENTS and not is_marked(lines, line, LONG_KERNEL):
-                found.append((line, f"{name} has {count} arguments, limit {ARGUMENTS}"))
-            procedures.append([name, 0])
-        elif procedures and opens_block(text):
-            procedures[-1][1] += 1
-            if procedures[-1][1] > NESTING:
-                found.append((line, f"{procedures[-1][0]} nests {procedures[-1][1]} blocks, limit {NESTING}: {text}"))
-        elif procedures and CLOSES.match(low):
-            procedures[-1][1] -= 1
-    return found
+            procedures.append([PROCEDURE.match(low).group(2), line, 0, 0])
+        elif procedures and (opens_block(text) or CLOSES.match(low)):
+            procedures[-1][2] += 1 if opens_block(text) else -1
+            procedures[-1][3] = max(procedures[-1][2:])
 
 
-class TestStructure:
-    """All violations are listed."""
+def too_large(path):
+    """(line, name, measure, size) of what is above its limit in a file."""
+    found = [(1, path.name, "lines of a file", len(lines_of(path)) - 1), *types_and_nesting(path)]
+    for name, first, last, arguments, body in Module(path).procedures:
+        kernel = any("contiguous" in text.lower() for _, text in body)
+        found += [(first, name, "lines of a procedure", last - first + 1),
+                  (first, name, "arguments of a kernel" if kernel else "arguments", len(arguments))]
+    return [size for size in sorted(found) if size[3] > LIMITS[size[2]]]
 
-    def offences_in(self, source):
-        """Messages on a source that is given as text."""
-        path = ROOT / "build" / "sample_of_structure.f90"
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(source, encoding="utf-8")
-        try:
-            return [message for _, message in offences_of(path)]
-        finally:
-            path.unlink()
 
-    def test_samples(self):
-        """The gate itself: each limit is found where it is exceeded, and a mark with a reason is accepted."""
-        fields = "\n".join(f"real :: a{n}(2, 3), b{n} = 1.0" for n in range(9))
-        large = f"type :: large_t\n{fields}\nend type large_t\n"
-        assert self.offences_in(large) == ["type large_t has 18 components, limit 16"]
-        assert self.offences_in(HEADER_RECORD + "it is the head of a file\n" + large) == []
-        many = "subroutine many(a, b, c, d, e, f, g, h, i, j, k)\nend subroutine many\n"
-        assert self.offences_in(many) == ["many has 11 arguments, limit 10"]
-        assert self.offences_in(LONG_KERNEL + "it is one\n" + many) == []
-        deep = "subroutine deep()\n" + "do n = 1, 2\n" * 4 + "{}" + "end do\n" * 4 + "end subroutine deep\n"
-        assert self.offences_in(deep.format("domain = 1\nwhere (a > 0) b = c(1)\nif (x) y = 1\n")) == []
-        for block, end in (("if (a > b) then", "if"), ("do", "do"), ("select case (n)", "select"),
-                           ("associate (x => y)", "associate"), ("where (a > 0)", "where")):
-            assert len(self.offences_in(deep.format(f"{block}\nend {end}\n"))) == 1, block
+def measures_in(source):
+    """Measures and sizes above their limits of a source that is given as text."""
+    path = ROOT / "build" / "sample_of_structure.f90"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(source, encoding="utf-8")
+    try:
+        return [(measure, size) for _, _, measure, size in too_large(path)]
+    finally:
+        path.unlink()
 
-    def test_sources(self):
-        paths = [path for folder in COVERED for path in project_files(".f90", under=f"src/{folder}")]
-        assert len(paths) > 10
-        found = [f"{place(path, line)} {message}" for path in paths
-                 for line, message in offences_of(path)]
-        assert len(found) == 0, "\n" + "\n".join(found)
 
-    def test_modules_of_a_folder(self):
-        """Warns only: a room is divided by its subjects, so a count does not decide where a module goes."""
-        counts = Counter(path.parent for path in (ROOT / "src").rglob("*.f90"))
-        for folder, count in sorted(counts.items()):
-            if count > MODULES:
-                warnings.warn(f"{folder} has {count} modules, more than {MODULES}: divide it by subjects", stacklevel=1)
+def test_counters():
+    """Each measure is counted: it is found where it exceeds its limit, and not where it does not."""
+    fields = "\n".join(f"real :: a{n}(2, 3), b{n} = 1.0" for n in range(9))
+    assert measures_in(f"type :: large_t\n{fields}\nend type large_t\n") == [("components", 18)]
+    many = "subroutine many(a, b, c, d, e, f, g, h, i)\n{}end subroutine many\n"
+    assert measures_in(many.format("real, intent(in) :: a(:)\n")) == [("arguments", 9)]
+    assert measures_in(many.format("real, contiguous, intent(in) :: a(:)\n")) == []
+    assert measures_in(many.replace("i)", "i, j, k)").format("real, contiguous, intent(in) :: a(:)\n")) == [
+        ("arguments of a kernel", 11)]
+    assert measures_in(many.replace("h, i", "h").format("a = 1\n" * 59)) == [("lines of a procedure", 61)]
+    assert measures_in("! a comment\n" * 501) == [("lines of a file", 501)]
+    deep = "subroutine deep()\n" + "do n = 1, 2\n" * 4 + "{}" + "end do\n" * 4 + "end subroutine deep\n"
+    assert measures_in(deep.format("domain = 1\nwhere (a > 0) b = c(1)\nif (x) y = 1\n")) == []
+    for block, end in (("if (a > b) then", "if"), ("do", "do"), ("select case (n)", "select"),
+                       ("associate (x => y)", "associate"), ("where (a > 0)", "where")):
+        assert measures_in(deep.format(f"{block}\nend {end}\n")) == [("nested blocks", 5)], block
+
+
+def test_sources():
+    """Warn about what is too large, and print one line with the counts."""
+    paths = project_files(".f90", under="src")
+    assert len(paths) > 10
+    found = [(path, *size) for path in paths for size in too_large(path)]
+    found += [(folder, 1, folder.name, "modules of a folder", count)
+              for folder, count in Counter(path.parent for path in paths).items()
+              if count > LIMITS["modules of a folder"]]
+    for path, line, name, measure, size in found:
+        warnings.warn_explicit(f"{name}: {size} {measure}, more than {LIMITS[measure]}", UserWarning,
+                               str(path.relative_to(ROOT)), line)
+    counts = Counter(measure for *_, measure, _ in found)
+    print("WARNING  " + ", ".join(f"{measure} > {limit}: {counts[measure]}" for measure, limit in LIMITS.items()),
+          flush=True)

@@ -110,7 +110,7 @@ contains
    end subroutine chain_update
 
    !> One stage of a time step, so that a caller can time the stages.
-   ! gate: long kernel because all stages have one interface
+   ! All stages have one interface.
    pure subroutine chain_run_stage(self, stage, state, deformation, first, last, dt, spacing, &
       subset)
       class(chain_t), intent(in) :: self

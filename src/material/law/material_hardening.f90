@@ -195,7 +195,6 @@ contains
    !! step beyond the upper end of the bracket is replaced by bisection. A step beyond the lower end
    !! is due to steep initial hardening far below; it shortens the bracket by a larger factor,
    !! because steps from below do not pass the root.
-   ! gate: long kernel because a step of Newton's method needs value, slope, curvature and bracket
    pure subroutine improve(filled, power, base, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes
       type(hardening_power_t), intent(in) :: power

@@ -19,7 +19,6 @@ contains
    !! and the volume grows by det(I + G) to third order, so that volume and positions stay
    !! consistent in a shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980)
    !! 1862). Equation (M.18) of doc/theory/method.md.
-   ! gate: long kernel because the inverse of a matrix is nine numbers
    pure subroutine centre_gradient(count, plane, gradient)
       integer, intent(in) :: count                         !! Particles
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0
@@ -136,7 +135,6 @@ contains
    !> Volume and deformation gradient after the step: F becomes (I + G) F and the volume grows by
    !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C. Equation (Y.11) of
    !! doc/theory/strength.md.
-   ! gate: long kernel because the inverse of a matrix is nine numbers
    pure subroutine deform(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -299,7 +297,6 @@ contains
 
    !> The same if y is decoupled: gradients and stresses with one index y are zero,
    !! and rotations are about y.
-   ! gate: long kernel because it is the step of all fields of a particle
    pure subroutine predict_plane(shear, state, deformation, first, last)
       real(wp), intent(in) :: shear                        !! Shear modulus [Pa]
       type(material_state_t), intent(inout) :: state       !! State of the store
@@ -350,7 +347,7 @@ contains
 
    !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) of the spin
    !! increment W with axial vector w. Equation (A.3).
-   ! gate: long kernel because a tensor in registers is six numbers
+   ! The components are scalars, so that they stay in registers.
    pure subroutine rotate(a, wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
       real(wp), intent(in) :: a                      !! 1/(1 + w w/4) [1]
       real(wp), intent(in) :: wx, wy, wz             !! Rotation vector of the step [1]

@@ -125,7 +125,6 @@ contains
 
    !> Bracket and unit of s of each lane. The unit is the step of Newton's method from the trial; s
    !! ends where pores close, if they do.
-   ! gate: long kernel because the derivative at the trial has three terms
    pure subroutine start_search(porous, lanes, search)
       type(porous_t), intent(in) :: porous
       type(pore_lanes_t), intent(inout) :: lanes
@@ -190,7 +189,6 @@ contains
    !> State at s and the residual of the yield function there, the logarithm of loading over
    !! resisting terms, in the lanes that have not converged. Equations (D.3), (D.4), (D.5), (D.6)
    !! and (D.7).
-   ! gate: long kernel because pressure, deviator, porosity and strength follow from one unknown
    pure subroutine evaluate(porous, lanes, search)
       type(porous_t), intent(in) :: porous
       type(pore_lanes_t), intent(inout) :: lanes

@@ -388,7 +388,6 @@ contains
 
    !> Factors of the edges of a cell from their sums. Less material than volume may be a free
    !! surface; more material than volume is always an error. Equation (Q.7).
-   ! gate: long kernel because an edge needs all quantities of its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
       real(wp), intent(in) :: full                   !! Filled fraction of the cell, 0 to 1
       real(wp), intent(in) :: own                    !! Fraction of its material in the scope

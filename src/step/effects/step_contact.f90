@@ -125,7 +125,6 @@ contains
    end subroutine touch_tile
 
    !> One node where several fields have mass.
-   ! gate: long kernel because a node of several fields needs their surfaces and their masses
    subroutine touch_node(space, fields, contact, scratches, tile, node, who, reach, dt, own)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(inout) :: fields(:)
@@ -223,7 +222,6 @@ contains
    end subroutine survey_node
 
    !> The normal along which two fields are farthest apart at a node. Equation (C.2).
-   ! gate: long kernel because a normal has an area and a gap
    subroutine choose_normal(grid, contact, tile, node, pair, reach, area, normal, gap)
       type(grid_t), intent(in) :: grid
       type(contact_t), intent(in) :: contact

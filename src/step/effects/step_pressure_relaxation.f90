@@ -79,7 +79,6 @@ contains
    end subroutine relax_pressures
 
    !> The particles of one cell.
-   ! gate: long kernel because a material has four fields here
    pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, &
       energy, stress)
       integer, intent(in) :: before                  !! Particles before those of the tile

@@ -136,7 +136,6 @@ contains
    end subroutine linear_gather_gradient
 
    !> Velocity and position at once.
-   ! gate: long kernel because two fields change at once
    pure subroutine linear_gather_motion(self, grid, shape, first, increment, advection, &
       flip_fraction, dt, velocity, position)
       class(basis_linear_t), intent(in) :: self

@@ -289,7 +289,6 @@ contains
 
    !> Velocity and position together: velocity = f velocity + sum S_i increment_i, position =
    !! position + dt sum S_i advection_i, f the flip fraction.
-   ! gate: long kernel because it gives two fields at once
    pure subroutine basis_gather_motion(self, grid, shape, first, increment, advection, &
       flip_fraction, dt, velocity, position)
       class(basis_t), intent(in) :: self

@@ -162,7 +162,6 @@ contains
    end subroutine find_values
 
    !> Derivatives at some particles, for a compile-time number of nodes.
-   ! gate: long kernel because functions and derivatives are arrays of their own
    pure subroutine find_slopes(reach, number, w, s, node, stride, nodes, u, found)
       integer, intent(in) :: reach                           !! Nodes along a line
       integer, intent(in) :: number                          !! Number of particles

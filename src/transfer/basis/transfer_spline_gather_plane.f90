@@ -101,7 +101,6 @@ contains
    end subroutine add_values
 
    !> Slopes of a column along x and z at the particles of a cell.
-   ! gate: long kernel because functions and derivatives are arrays of their own
    pure subroutine add_slopes(low, high, rows, x, z, dx, dz, u, along_x, along_z)
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last index

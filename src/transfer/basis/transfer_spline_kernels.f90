@@ -155,7 +155,6 @@ contains
    end subroutine add_values
 
    !> The same in planes and on lines. Functions are whole arrays, which are indexed directly.
-   ! gate: long kernel because arrays are given by their sizes
    pure subroutine add_plane_values(after, skipped, number, rows, node, low, weight, values, up, &
       numbers, sums)
       integer, intent(in) :: after                           !! Layers after the first one
@@ -183,7 +182,6 @@ contains
    end subroutine add_plane_values
 
    !> Add values to the nodes of a line.
-   ! gate: long kernel because functions in registers are numbers
    pure subroutine add_line(reach, factor, w1, w2, w3, w4, values, before, numbers, sums)
       integer, intent(in) :: reach                           !! Number of its nodes
       real(wp), intent(in) :: factor                         !! Function of the line
@@ -286,7 +284,6 @@ contains
    end subroutine add_loads
 
    !> The same in planes and on lines.
-   ! gate: long kernel because arrays are given by their sizes
    pure subroutine add_plane_loads(after, skipped, number, rows, node, low, weight, slope, load, &
       up, numbers, sums)
       integer, intent(in) :: after                           !! Layers after the first one

@@ -105,7 +105,6 @@ contains
 
    !> Add sum S_i (theirs_i - mine_i), times a factor, to columns of the particles that are on the
    !! other side of node i. Equation (C.15).
-   ! gate: long kernel because the columns of both sides are separate arguments
    pure subroutine add_other_values(grid, shape, first, other, split, factor, mine, theirs, &
       before, values)
       type(grid_t), intent(in) :: grid
@@ -139,7 +138,6 @@ contains
    end subroutine add_other_values
 
    !> The same for the gradient of a vector, scale sum (theirs_i - mine_i) grad S_i.
-   ! gate: long kernel because the bits of nodes and the nodes are kept apart from the particles
    pure subroutine add_other_gradient(grid, shape, store, tile, other, split, scale, difference, &
       gradient)
       type(grid_t), intent(in) :: grid
@@ -208,7 +206,6 @@ contains
 
    !> Extent of the particles of one side along the normals of the separated nodes of a tile: one
    !! side of (C.2).
-   ! gate: long kernel because the widths of particles are an argument
    pure subroutine find_side_reach(grid, shape, first, other, split, side, half, normal, reach)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located

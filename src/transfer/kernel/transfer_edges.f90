@@ -54,7 +54,6 @@ contains
    !> Velocity gradient of the cell with a factor for each edge, blended with that of the nodes:
    !! gradient_kl = alpha_l scale sum_e a_e N_e (change of u_k along e)/h + (1 - alpha_l) scale sum
    !! S_j (grad u)_j,kl. With factors of one it is that without them.
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine gather_edge_gradient(grid, start, local, alpha, factor, velocity, nodes, scale, &
       gradient)
       type(grid_t), intent(in) :: grid
@@ -154,7 +153,6 @@ contains
    end subroutine find_slope
 
    !> Slopes at the particles of a cell, blended with values of a polynomial.
-   ! gate: long kernel because columns and coefficients are arguments of their own
    pure subroutine blend(space, low, high, u, w, across, aside, x, y, z, alpha, slopes)
       logical, intent(in) :: space                           !! Three dimensions, or a plane?
       integer, intent(in) :: low                             !! First particle of the cell

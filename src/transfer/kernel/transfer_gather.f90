@@ -145,7 +145,6 @@ contains
 
    !> Gradients of the polynomials of a vector at eight particles, blended with the values of the
    !! polynomials of a tensor.
-   ! gate: long kernel because its columns have lengths of their own
    pure subroutine blend_slopes(u, w, before, rows, local, shares, alpha, columns, slopes)
       real(wp), intent(in) :: u(4, lanes) !! (component, term) Coefficients of the vector
       real(wp), intent(in) :: w(tensor, lanes) !! (component, term) Coefficients of the tensor
@@ -170,7 +169,7 @@ contains
    end subroutine blend_slopes
 
    !> Slope along one direction, blended with the value of another polynomial.
-   ! gate: long kernel because coefficients in registers are twelve numbers
+   ! The coefficients are scalars, so that they stay in registers.
    pure subroutine blend(u1, u2, u3, u4, one, other, w, x, y, z, alpha, slopes)
       real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients of the slope
       real(wp), intent(in) :: one(lanes)                     !! (lane) Coordinate along one [1]
@@ -335,7 +334,6 @@ contains
    end subroutine gather_columns
 
    !> Values of polynomials at eight particles in space, at four in a plane.
-   ! gate: long kernel because arrays are given by their sizes
    pure subroutine evaluate(terms, columns, rows, u, before, length, local, depth, values)
       integer, intent(in) :: terms                           !! Terms, and particles
       integer, intent(in) :: columns                         !! Number of columns of the values
@@ -396,7 +394,6 @@ contains
    !! z, xz, y, xy, yz, xyz, in a plane the first four. The node field is a one-dimensional array
    !! with four elements as lanes: elements of the next node fill the lanes up to a multiple of
    !! four, and have no meaning.
-   ! gate: long kernel because arrays are given by their sizes
    pure subroutine find_terms(terms, components, rows, node, ways, numbers, nodes, scale, u)
       integer, intent(in) :: terms                   !! Number of terms
       integer, intent(in) :: components              !! Numbers per node
@@ -421,7 +418,6 @@ contains
    end subroutine find_terms
 
    !> The same for a cell with the last node of the tile, at the end of the array.
-   ! gate: long kernel because arrays are given by their sizes
    pure subroutine find_last_terms(terms, components, rows, before, ways, numbers, nodes, scale, u)
       integer, intent(in) :: terms                   !! Number of terms
       integer, intent(in) :: components              !! Numbers per node

@@ -79,7 +79,6 @@ contains
 
    !> Velocity and position together: velocity = f velocity + sum S_i increment_i, position =
    !! position + dt sum S_i advection_i, f the flip fraction.
-   ! gate: long kernel because two fields go to two others
    pure subroutine motion_plane(grid, start, first, local, increment, advection, flip_fraction, &
       dt, velocity, position)
       type(grid_t), intent(in) :: grid
@@ -144,7 +143,7 @@ contains
    end subroutine find_terms
 
    !> Slopes of a polynomial at the particles of a cell.
-   ! gate: long kernel because coefficients in registers are three numbers
+   ! The coefficients are scalars, so that they stay in registers.
    pure subroutine find_slopes(low, high, u2, u3, u4, x, z, along_x, along_z)
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last index
@@ -164,7 +163,6 @@ contains
    end subroutine find_slopes
 
    !> Slopes of two polynomials at the particles of a cell, blended with four other polynomials.
-   ! gate: long kernel because components are columns of their own
    pure subroutine blend_slopes(low, high, slope_scale, ua, ub, uc, ud, scale, wa, wb, wc, wd, x, &
       z, ax, az, xx, zx, xz, zz)
       integer, intent(in) :: low                             !! First particle of the cell
@@ -218,7 +216,6 @@ contains
    end subroutine take_terms
 
    !> Move the particles of a cell.
-   ! gate: long kernel because components are columns of their own
    pure subroutine move_cell(low, high, before, nodes, node, u, c, flip_fraction, x, z, vx, vz, &
       px, pz)
       integer, intent(in) :: low                             !! First particle of the cell

@@ -41,7 +41,6 @@ contains
    end subroutine add_hoop_sums
 
    !> Add the force of the hoop stress, - sum a_i v sigma_yy S_i/r, to column 5.
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine scatter_factored_hoop(grid, start, first, local, factor, position, volume, &
       stress, patch)
       type(grid_t), intent(in) :: grid
@@ -72,7 +71,6 @@ contains
    end subroutine scatter_factored_hoop
 
    !> Hoop strain, scale sum a_i S_i u_i/r, into component (2, 2) of the gradient.
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine gather_factored_hoop(grid, start, first, local, factor, position, nodes, scale, &
       gradient)
       type(grid_t), intent(in) :: grid

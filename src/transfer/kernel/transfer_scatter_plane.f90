@@ -98,7 +98,6 @@ contains
    !> Add the part of the internal force on the cell to columns 5 to 7, the volume to column 8, and
    !! the stress mapped to the nodes, sum v (1 - alpha_l) sigma_kl S, to column 8 + k + 3 (l - 1).
    !! Without factors those of the edges are one.
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine plane_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
       factor)
       type(grid_t), intent(in) :: grid

@@ -208,7 +208,6 @@ contains
 
    !> Add sum weight value of up to four columns of some particles to the patch, which is a
    !! one-dimensional array.
-   ! gate: long kernel because sums in registers are arrays of their own
    pure subroutine add_weighted(grid, start, cell, skipped, number, weight, columns, values, &
       before, rows, numbers, patch)
       type(grid_t), intent(in) :: grid
@@ -298,7 +297,6 @@ contains
    !! signs, so the sums are those of the twelve edges: half the work of eight nodes, and each cell
    !! conserves momentum exactly. Edges along x are counted along z and y, those along y along x and
    !! z, those along z along x and y.
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine add_edges(grid, start, first, local, x_share, y_share, z_share, stress, &
       patch, factor)
       type(grid_t), intent(in) :: grid

@@ -253,7 +253,6 @@ contains
 
    !> Energy that the motion along one direction dissipates, and the vector g u - (1 - g) d at the
    !! particles.
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine lose_energy(count, first, pic, ahead, gain, way, velocity, moved, heat)
       integer, intent(in) :: count                           !! Particles of the tile
       integer, intent(in) :: first                           !! First of them

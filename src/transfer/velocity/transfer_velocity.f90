@@ -129,7 +129,6 @@ contains
    end subroutine velocity_advection
 
    !> Node fields that `heat` uses.
-   ! gate: long kernel because it uses all node fields
    pure subroutine velocity_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
       class(velocity_t), intent(in) :: self
@@ -159,7 +158,6 @@ contains
 
    !> Convert the kinetic energy that the transfer to the nodes and back dissipates to heat of the
    !! particles, before they get their new velocities.
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine velocity_heat(self, grid, basis, shape, first, fields, scalar, velocity, energy)
       class(velocity_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -61,7 +61,6 @@ contains
    end function series_sweeps
 
    !> Heat 1/2 |v - S x|**2 + S scalar - (factors of squares and products at the particle).
-   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine series_heat(self, grid, basis, shape, first, fields, scalar, velocity, energy)
       class(velocity_series_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

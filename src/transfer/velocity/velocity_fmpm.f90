@@ -83,7 +83,6 @@ contains
    !> With y the last term, r = v - S u, a for a dt, and var and cov of node values at a particle:
    !! 1/2 r**2 in the transfer to the nodes, 1/2 var(u) - 1/2 var(u + a) there and back, 1/2 var(y)
    !! and the terms of the nodes. Order 1 is PIC and loses both variances. Equation (T.12).
-   ! gate: long kernel because it uses all node fields
    pure subroutine fmpm_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
       class(velocity_fmpm_t), intent(in) :: self

@@ -59,7 +59,6 @@ contains
 
    !> With y the last term, r = v - S w, a for a dt, and var and cov of node values at a particle:
    !! 1/2 r**2 + 1/2 var(a) + cov(a, y) + var(y) and the terms of the nodes. Equation (T.11).
-   ! gate: long kernel because it uses all node fields
    pure subroutine xpic_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
       class(velocity_xpic_t), intent(in) :: self
