@@ -79,7 +79,7 @@ contains
          call self%voids%to_solid_volume(solid, deformation, first, last)
          call self%eos%update(solid, deformation, first, last)
          call self%voids%to_total_volume(solid, deformation, first, last)
-      else if (allocated(state%pores%porosity)) then
+      else if (allocated(state%porosity)) then
          solid = state
          call to_matrix_volume(solid, deformation, first, last)
          call self%eos%update(solid, deformation, first, last)
@@ -264,7 +264,7 @@ contains
          call self%eos%update(state, deformation, first, last)
          call add_bulking(state, deformation, first, last)
          call self%voids%to_total_volume(state, deformation, first, last)
-      else if (allocated(state%pores%porosity)) then
+      else if (allocated(state%porosity)) then
          call to_matrix_volume(state, deformation, first, last)
          call self%eos%update(state, deformation, first, last)
          call take_matrix_pressure(state, deformation, first, last)
@@ -382,7 +382,7 @@ contains
       if (allocated(self%voids)) &
          deformation%voids%old_temperature(:last - first + 1) = state%temperature(first:last)
       if (allocated(self%voids)) call self%voids%to_solid_volumes(state, deformation, first, last)
-      if (allocated(state%pores%porosity)) &
+      if (allocated(state%porosity)) &
          call to_matrix_volumes(state, deformation, first, last)
       if (has_temperature(self)) then
          call self%eos%find_temperature(state, first, last)
@@ -394,7 +394,7 @@ contains
             deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
             deformation%viscous_work, state%temperature)
       end if
-      if (allocated(state%pores%porosity)) &
+      if (allocated(state%porosity)) &
          call to_whole_volume(state, deformation, first, last)
       if (.not. allocated(self%voids)) return
       state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)

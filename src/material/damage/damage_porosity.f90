@@ -79,7 +79,7 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: i
 
-      associate (damage => state%damage, porosity => state%pores%porosity, final => self%final)
+      associate (damage => state%damage, porosity => state%porosity, final => self%final)
          do concurrent (i=first:last)
             damage(i) = min(1.0_wp, max(damage(i), porosity(i)/final))
          end do

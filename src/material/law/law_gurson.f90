@@ -223,7 +223,7 @@ contains
 
       yield = law%yield
       hardening = law%porous%hardening
-      associate (mass => state%mass, volume => state%volume, porosity => state%pores%porosity, &
+      associate (mass => state%mass, volume => state%volume, porosity => state%porosity, &
          strain => state%plastic_strain, pressure => deformation%pressure, &
          trial => deformation%plastic_increment, square => deformation%wave_speed)
          do concurrent (n=1:count)
@@ -302,7 +302,7 @@ contains
          deformation%plastic_increment(i) = lanes%strain(l)
          state%plastic_strain(k) = state%plastic_strain(k) + lanes%strain(l)
          state%plastic_dilation(k) = state%plastic_dilation(k) - opened(l)
-         state%pores%porosity(k) = lanes%porosity(l) + lanes%making_later(l)*lanes%strain(l)
+         state%porosity(k) = lanes%porosity(l) + lanes%making_later(l)*lanes%strain(l)
       end do
    end subroutine move_results
 
