@@ -193,8 +193,10 @@ def test_basis(options, sheet):
 
 
 def test_shown_files():
-    """A page that shows a file of the sources shows all of it."""
-    shown = [(page.name, path, content) for page in sorted((ROOT / "doc/developer").glob("adding_*.md"))
-             for path, content in FILE.findall(page.read_text(encoding="utf-8")) if (ROOT / path).is_file()]
+    """A page that shows a file of the sources shows all of it, and new files fit the width of the sources."""
+    files = [(page.name, path, content) for page in sorted((ROOT / "doc/developer").glob("adding_*.md"))
+             for path, content in FILE.findall(page.read_text(encoding="utf-8"))]
+    assert [(page, line) for page, _, content in files for line in content.split("\n") if len(line) > 100] == []
+    shown = [file for file in files if (ROOT / file[1]).is_file()]
     assert shown
     assert [(page, path) for page, path, content in shown if (ROOT / path).read_text("utf-8") != content] == []
