@@ -63,7 +63,7 @@ class Extension:
         self.commands = {Path(entry["file"]): entry for entry in json.loads(commands.read_text(encoding="utf-8"))}
         self.objects = []
         (self.work / "modules").mkdir()
-        for folder in ("src", "test/unit/material"):
+        for folder in ("src", "test/unit/material", "test/unit/transfer"):
             shutil.copytree(ROOT / folder, self.work / folder)
         for path, content in self.files:
             assert (self.work / path).parent.is_dir(), f"{page}: there is no folder for {path}"
@@ -118,7 +118,7 @@ class Extension:
                 assert not any(module.bindings.values()), f"{path.name} uses names of a catalogue and has bindings"
                 self.compile(path, ROOT / path.relative_to(self.work))
 
-    def link(self, target, objects=()):
+    def link(self, target):
         """Link a program of the build with the new objects in front of the libraries; test programs lose their own."""
         rules = self.build / "build.ninja"
         if rules.is_file():
@@ -131,24 +131,26 @@ class Extension:
         words[words.index("-o") + 1] = str(file)
         first = next(n for n, word in enumerate(words) if word.endswith(".o"))
         words = [word for word in words if not (word.endswith(".o") and word.startswith("test/"))]
-        done(words[:first] + [*map(str, objects), *map(str, self.objects)] + words[first:], self.build)
+        done(words[:first] + [*map(str, self.objects)] + words[first:], self.build)
         return file
 
-    def unit_tests(self, *names):
-        """Translate, compile, link and run tests of test/unit/material, with the samples of this copy."""
-        room = {path.stem for path in (self.work / "src/material").rglob("*.f90")} | {"material_catalogue"}
-        self.objects = [path for path in self.objects if path.stem in room]
-        mark = len(self.objects)
-        files = [self.work / "test/unit/material" / f"{name}.pf" for name in names]
-        done([sys.executable, ROOT / "test/pfunit/translate.py", self.work, "unit_material", *files], self.work)
-        like = self.build / "test/unit/unit_material"
-        self.compile(self.work / "generated/test/material_samples.f90",
-                     self.build / "generated/test/material_samples.f90")
-        for name in names:
-            self.compile(self.work / f"{name}.f90", like / "test_material_catalogue.f90")
-        self.compile(self.work / "unit_material.f90", like / "unit_material.f90")
-        objects, self.objects = self.objects[mark:], self.objects[:mark]
-        return done([self.link("test/unit/unit_material/unit_material", objects)], self.work)
+    def unit_tests(self, sheet, room, *names):
+        """Translate, compile, link and run tests of a room, with the samples of this copy."""
+        program, like = f"unit_{room}", self.build / f"test/unit/unit_{room}"
+        if not (like / f"{program}.f90").is_file():
+            sheet.skipped(f"unit tests of {room}", "the build uses pFUnit or has no tests")
+            return
+        own = {path.stem for path in (self.work / "src" / room).rglob("*.f90")} | {f"{room}_catalogue"}
+        self.objects = [path for path in self.objects if path.stem in own]
+        files = [self.work / "test/unit" / room / f"{name}.pf" for name in names]
+        done([sys.executable, ROOT / "test/pfunit/translate.py", self.work, program, *files], self.work)
+        if room == "material":
+            self.compile(self.work / "generated/test/material_samples.f90",
+                         self.build / "generated/test/material_samples.f90")
+        for name in (*names, program):
+            self.compile(self.work / f"{name}.f90", like / f"{program}.f90")
+        said = done([self.link(f"test/unit/{program}/{program}")], self.work)
+        sheet.require(re.search(r"^[1-9]\d* tests, 0 failed$", said, re.M), f"unit tests of {room}: {said[-200:]}")
 
 
 def test_law(options, sheet):
@@ -166,15 +168,11 @@ def test_law(options, sheet):
     sheet.near("the stored strain is the part of the strain that has no stress", values["creep_strain"][-1], relaxed,
                abs(values["strain"][-1]))
     sheet.above("strain that has relaxed", relaxed, 1.0e-4)
-    if (page.build / "test/unit/unit_material/unit_material.f90").is_file():
-        said = page.unit_tests("test_law_maxwell", "test_material_catalogue")
-        sheet.require("stress_decays_exponentially" in said, "the unit test of the page runs")
-    else:
-        sheet.skipped("unit tests of the law", "the build uses pFUnit or has no tests")
+    page.unit_tests(sheet, "material", "test_law_maxwell", "test_material_catalogue")
 
 
 def test_basis(options, sheet):
-    """The shape functions of the page in a run, in two parts: the same bits as in one."""
+    """The shape functions of the page in a run, in two parts with the same bits as in one, and the tests of all."""
     page = Extension(options, "doc/developer/adding_a_method.md")
     assert len(page.names) == 1 and len(page.files) == 1 and len(page.decks) == 1
     page.compile_all()
@@ -190,6 +188,7 @@ def test_basis(options, sheet):
     other = case.Case(options, "other", deck.replace(page.names[0][0], "gimp"))
     other.run(*words, "time.max_steps=12")
     sheet.require(whole.summary["digest"] != other.summary["digest"], "the functions are not those of gimp")
+    page.unit_tests(sheet, "transfer", "test_transfer_basis")
 
 
 def test_shown_files():
