@@ -140,7 +140,7 @@ class Extension:
         if not (like / f"{program}.f90").is_file():
             sheet.skipped(f"unit tests of {room}", "the build uses pFUnit or has no tests")
             return
-        own = {path.stem for path in (self.work / "src" / room).rglob("*.f90")} | {f"{room}_catalogue"}
+        own = {path.stem for place in ("src", "generated") for path in (self.work / place / room).rglob("*.f90")}
         self.objects = [path for path in self.objects if path.stem in own]
         files = [self.work / "test/unit" / room / f"{name}.pf" for name in names]
         done([sys.executable, ROOT / "test/pfunit/translate.py", self.work, program, *files], self.work)
