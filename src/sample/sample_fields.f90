@@ -114,7 +114,7 @@ contains
          call find_column(collector%columns, fields(index), column, found)
          if (.not. found) then
             call fail(error, exit_input, "output field '"//trim(fields(index))//"' "// &
-               reason(fields(index)))
+               reason(fields(index))//" [D221]")
             return
          end if
          call append(columns, column)

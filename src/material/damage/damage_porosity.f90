@@ -46,9 +46,9 @@ contains
       porous = .false.
       if (allocated(law)) porous = law%grows_pores()
       if (.not. porous) then
-         text = "damage_model = 'porosity' needs strength_model = 'gurson', which has pores"
+         text = "damage_model = 'porosity' needs strength_model = 'gurson', which has pores [D439]"
       else if (.not. group%given("gtn_ff")) then
-         text = "damage_model = 'porosity' needs gtn_ff, the porosity of failure"
+         text = "damage_model = 'porosity' needs gtn_ff, the porosity of failure [D439]"
       end if
    end function porosity_fault
 

@@ -70,15 +70,15 @@ contains
       if (group%known("pa_pe") .and. group%known("pa_pc")) then
          call group%get("pa_pe", one)
          call group%get("pa_pc", other)
-         if (other <= one) text = "pa_pc must be above pa_pe"
+         if (other <= one) text = "pa_pc must be above pa_pe [D363]"
       end if
       if (group%known("pa_solid") .and. group%known("density")) then
          call group%get("pa_solid", one)
          call group%get("density", other)
-         if (other > one) text = "density of porous material must not be above pa_solid"
+         if (other > one) text = "density of porous material must not be above pa_solid [D363]"
       end if
       if (group%given("specific_heat")) text = "eos_model = 'p_alpha' has no model of the "// &
-         "heat of crushing; set thermal = .false."
+         "heat of crushing; set thermal = .false. [D364]"
    end function p_alpha_fault
 
    !> Read the keys of the equation of state.

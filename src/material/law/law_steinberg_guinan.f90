@@ -111,12 +111,12 @@ contains
       if (group%known("scg_gp")) then
          call group%get("scg_gp", number)
          if (number > 1.0e-6_wp) text = "scg_gp is per Pa; was it given per Mbar? Then "// &
-            "write it with e-11 (1 Mbar = 1e11 Pa)"
+            "write it with e-11 (1 Mbar = 1e11 Pa) [D505]"
       end if
       if (group%known("scg_y0") .and. group%known("scg_ymax")) then
          call group%get("scg_y0", number)
          call group%get("scg_ymax", other)
-         if (other < number) text = "scg_ymax must not be below scg_y0"
+         if (other < number) text = "scg_ymax must not be below scg_y0 [D363]"
       end if
    end function steinberg_guinan_fault
 

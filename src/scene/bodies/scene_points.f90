@@ -121,14 +121,14 @@ contains
 
       if (allocated(list%volume)) then
          if (group%given("point_volume")) call deck%add_error(group, "the file has volumes; "// &
-            "remove point_volume", "point_volume")
+            "remove point_volume [D356]", "point_volume")
       else if (group%given("point_volume")) then
          call group%get("point_volume", volume)
          allocate (list%volume(size(list%position, 2)))
          list%volume = volume
       else
          call deck%add_error(group, "the file has no volumes; add a column or field volume, "// &
-            "or give point_volume", "file")
+            "or give point_volume [D356]", "file")
       end if
    end subroutine find_volumes
 
@@ -184,7 +184,7 @@ contains
       meant = meant .and. list%material == found
       if (any(meant)) return
       call deck%add_error(group, "the file of its region has no point of material '"//name// &
-         "'; there are: "//join(list%material_names, ", "), "material")
+         "'; there are: "//join(list%material_names, ", ")//" [D356]", "material")
    end subroutine choose_material
 
    !> A region may select the points of one body of a snapshot.
@@ -204,14 +204,14 @@ contains
          meant = meant .and. points%list%body == found
       else if (size(points%list%body_names) > 1) then
          call deck%add_error(group, "the snapshot does not contain the field body; write it "// &
-            "in the other run, or remove from_body", "region")
+            "in the other run, or remove from_body [D356]", "region")
          return
       else
          meant = meant .and. found == 1
       end if
       if (.not. any(meant)) call deck%add_error(group, "the snapshot has no point of body '"// &
          points%body//"' and of its material; its bodies are: "// &
-         join(points%list%body_names, ", "), "region")
+         join(points%list%body_names, ", ")//" [D356]", "region")
    end subroutine choose_body
 
    !> Position of a point in its file.
@@ -260,7 +260,7 @@ contains
                (grid%periodic .or. open))))) then
                call deck%add_error(group, where_text(points, place(n))//" of '"//points%path// &
                   "': the point "//place_text(deck, grid, x)//" lies outside of the grid; "// &
-                  "widen &grid or move the points with translate", "region")
+                  "widen &grid or move the points with translate [F116]", "region")
                return
             end if
             ! adding 0 turns -0 into 0, so that equal positions have equal keys
@@ -276,7 +276,7 @@ contains
          call deck%add_error(group, where_text(points, place(order(n - 1)))//" and "// &
             where_text(points, place(order(n)))//" of '"//points%path// &
             "': two points at "//place_text(deck, grid, points%list%position(:, &
-            place(order(n)))), "region")
+            place(order(n))))//" [F117]", "region")
          return
       end do
    end subroutine check_positions
@@ -319,7 +319,7 @@ contains
       end do
       if (large > 0) call deck%warn(group, number(large)//" of "//number(size(place))// &
          " points are larger than a cell: the material has gaps; use larger cells or more "// &
-         "points", "region")
+         "points [D412]", "region")
    end subroutine check_sizes
    !> True for fields that particles read from a snapshot in addition to position and volume. They
    !! get new identities.
@@ -364,7 +364,7 @@ contains
                if (k > 0 .and. .not. points%placing%keeps(trim(names(n)))) &
                   call deck%warn(group, "boxes along the coordinates can be rotated only by "// &
                   "right angles, so '"//trim(names(n))//"' of '"//points%path// &
-                  "' is not used; its particles start as cubes of their volume", "region")
+                  "' is not used; its particles start as cubes of their volume [D417]", "region")
             end do
          end associate
       else if (stress) then
@@ -372,11 +372,11 @@ contains
       end if
       do n = 1, size(missing)
          if (missing(n)%text == "stress") call deck%add_error(group, "'"//points%path// &
-            "' has no field stress; write it in the other run, or initial_stress = 'zero'", &
+            "' has no field stress; write it in the other run, or initial_stress = 'zero' [D356]", &
             "initial_stress")
       end do
       if (size(missing) > 0) call deck%warn(group, "'"//points%path//"' lacks "// &
-         join(missing, ", ")//"; these start from their initial values", &
+         join(missing, ", ")//"; these start from their initial values [D413]", &
          "region")
 
    contains

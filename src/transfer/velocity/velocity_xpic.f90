@@ -45,7 +45,7 @@ contains
       call group%get("order_k", self%order)
       if (self%order < 2) call deck%add_error(group, "xpic of order 1 is the same as pic; "// &
          "write transfer = "// &
-         "'pic' or order_k = 2", "order_k")
+         "'pic' or order_k = 2 [D355]", "order_k")
       self%order = max(self%order, 2)
    end subroutine xpic_read
 
