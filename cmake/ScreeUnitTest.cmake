@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-#   scree_unit_tests(unit_material FILES test_a.pf test_b.pf LABEL unit [LAYER material])
+#   scree_unit_tests(unit_material FILES test_a.pf test_b.pf LABEL unit [LAYER material] [LINKS library])
 # builds .pf files into one program that sees the modules of a folder of src/ and of those below it
 # (without LAYER: of none), and registers each file with CTest under its own name. A program without
 # arguments runs the tests of all files, with the name of a file those of this file, on as many ranks
@@ -37,7 +37,7 @@ function(scree_ranks_of file result)
 endfunction()
 
 function(scree_unit_tests program)
-   cmake_parse_arguments(unit "" "LABEL;LAYER" "FILES" ${ARGN})
+   cmake_parse_arguments(unit "" "LABEL;LAYER" "FILES;LINKS" ${ARGN})
    set(layers)
    if(unit_LAYER)
       get_property(all_layers GLOBAL PROPERTY scree_layers)
@@ -50,7 +50,7 @@ function(scree_unit_tests program)
    endif()
    if(NOT PFUNIT_FOUND)
       scree_translated_program(${program} "${unit_FILES}")
-      target_link_libraries(${program} ${layers} OpenMP::OpenMP_Fortran)
+      target_link_libraries(${program} ${unit_LINKS} ${layers} OpenMP::OpenMP_Fortran)
    endif()
    if(unit_LABEL STREQUAL "none")
       return()
@@ -60,7 +60,7 @@ function(scree_unit_tests program)
       scree_ranks_of("${file}" ranks)
       if(PFUNIT_FOUND)
          scree_with_pfunit(${name} "${file}" ${ranks})
-         target_link_libraries(${name} ${layers} OpenMP::OpenMP_Fortran)
+         target_link_libraries(${name} ${unit_LINKS} ${layers} OpenMP::OpenMP_Fortran)
       elseif(NOT SCREE_MPI)
          if(ranks LESS 2)
             add_test(NAME ${name} COMMAND ${scree_costing} $<TARGET_FILE:${program}> ${name})

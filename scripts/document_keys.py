@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write doc/reference/keys.md, the table of all groups and keys of a deck, from the output of scree.
+"""Write doc/reference/keys.md, the tables of all groups and keys of a deck and of the fields of single models, from the
+output of scree.
 
     python3 scripts/document_keys.py build/bin/scree             write the file
     python3 scripts/document_keys.py build/bin/scree --check     exit code 1 if it is out of date
@@ -90,6 +91,12 @@ def document(program):
         lines += ["| key | kind, range | default | meaning |", "|---|---|---|---|"]
         lines += [row(program, group, key) for key in keys]
         lines.append("")
+    lines += ["## Fields of single models", "", "Words of `fields` in addition to those of "
+              "[Output](output.md#snapshots), each stored only with its models.", "",
+              "| field | unit | meaning | models |", "|---|---|---|---|"]
+    lines += [f"| `{name}` | {unit} | {cell(meaning)} | {cell(models)} |" for name, unit, meaning, models in
+              re.findall(r"^   (\w+) \[(.*?)\]  (.*); (.*)$", "\n".join(ask(program, "--list", "fields")), re.M)]
+    lines.append("")
     return "\n".join(lines)
 
 

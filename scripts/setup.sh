@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Usage: scripts/setup.sh [--no-python] [--mpi openmpi|mpich|none]
+# Usage: scripts/setup.sh [--no-install] [--no-python] [--mpi openmpi|mpich|none]
 #
 # Installs the packages that are missing to build and run Scree on Debian 12, Ubuntu and similar
 # systems: compiler, CMake, MPI and HDF5 from the system's packages (as root or with sudo), and a
 # Python environment for tests and pictures in build/venv, with the package scree and the command
 # scree-post in build/venv/bin. If no package is missing, nothing is downloaded.
 #
+#   --no-install  install no packages of the system: if some are missing, print the command
+#                 that installs them and stop
 #   --no-python   do not create the Python environment
 #   --mpi NAME    openmpi (the default), mpich, or none: a serial HDF5 for a build with
 #                 -DSCREE_MPI=OFF
@@ -17,10 +19,12 @@ set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
+may_install=yes
 with_python=yes
 mpi=openmpi
 while (($# > 0)); do
    case "$1" in
+      --no-install) may_install=no ;;
       --no-python) with_python=no ;;
       --mpi)
          mpi="${2:-}"
@@ -174,7 +178,12 @@ setup_python() {
 }
 
 collect_missing
-collect_drawing
+if [[ "${may_install}" == yes ]]; then
+   collect_drawing
+elif ((${#missing[@]} > 0)); then
+   stop_with 3 "packages are missing; install them with scripts/setup.sh, which uses sudo, or with
+   apt-get install ${missing[*]}"
+fi
 if ((${#missing[@]} > 0)) || { ((${#drawing[@]} > 0)) && [[ "$(id -u)" == 0 ]]; }; then
    install_missing
    hash -r

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/test.sh [--full | --long] [options] [options of ctest]
 #
-# Installs missing packages, builds the program, and runs the tests of one tier:
+# Builds the program and runs the tests of one tier. Packages of the system are only installed with
+# --setup; without it a message names those that are missing.
 #
 #   scripts/test.sh                smoke: every part of the program, at most 4 minutes on 2 cores
 #   scripts/test.sh --full         all default tests, at most 25 minutes
@@ -14,7 +15,8 @@
 #                     the number of the group (default: the next one every day)
 #   --minutes N       time limit for all tests with --long-share (default 34)
 #   --debug           build and test the Debug build, with bounds and floating point checks
-#   --no-setup        do not check for or install missing packages
+#   --setup           install missing packages of the system, as root or with sudo
+#   --no-setup        do not look for missing packages, and leave build/venv as it is
 #   --record          write the processor time of the tests to test/costs.csv
 #   --jobs N          number of cores (default: all, or TEST_JOBS of the environment)
 #   --help            print this text (ctest --help: all options)
@@ -26,7 +28,7 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 type=Release
 folder="${root}/build"
-setup=yes
+setup=(--no-install)
 arguments=()
 for argument in "$@"; do
    case "${argument}" in
@@ -34,6 +36,7 @@ for argument in "$@"; do
          type=Debug
          folder="${root}/build/debug"
          ;;
+      --setup) setup=() ;;
       --no-setup) setup=no ;;
       -h | --help)
          show_help "$0"
@@ -43,8 +46,8 @@ for argument in "$@"; do
    esac
 done
 
-if [[ "${setup}" == yes ]]; then
-   "${scripts}/setup.sh"
+if [[ "${setup[*]}" != no ]]; then
+   "${scripts}/setup.sh" "${setup[@]}"
 fi
 "${scripts}/build.sh" "${type}"
 exec python3 "${scripts}/run_tests.py" --folder "${folder}" "${arguments[@]}"

@@ -6,6 +6,8 @@ module program_lists
    use deck_units, only: unit_list
    use exact_catalogue, only: exact_names
    use material_catalogue, only: damage_names, eos_names, law_names
+   use material_field_requests, only: field_requests_t
+   use material_own_fields, only: own_fields
    use output_history_columns, only: history_names
    use run_messages, only: message_list
    use sample_fields, only: field_names
@@ -28,8 +30,9 @@ contains
       case ("")
          text = lists_text()
       case ("fields")
-         text = joined(field_names)//new_line("a")//"profile: "//joined(profile_names) &
-            //new_line("a")//"history: "//join(history_names(), " ")
+         text = joined(field_names())//new_line("a")//"profile: "//joined(profile_names) &
+            //new_line("a")//"history: "//join(history_names(), " ") &
+            //own_field_lines()
       case ("shapes")
          associate (region => schema%groups(schema%find("region")))
             text = join(region%keys(region%find("shape"))%words, " ")
@@ -72,6 +75,22 @@ contains
             repeat(" ", max(20 - len(schema%presets(n)%name), 1))//schema%presets(n)%title
       end do
    end function preset_lines
+
+   !> One line for each field that single models describe: name, unit, meaning, models.
+   function own_field_lines() result(text)
+      character(len=:), allocatable :: text
+      type(field_requests_t) :: own
+      integer :: i
+
+      own = own_fields()
+      text = ""
+      do i = 1, size(own%entries)
+         associate (entry => own%entries(i))
+            text = text//new_line("a")//"   "//entry%field//" ["//entry%unit//"]  "// &
+               entry%meaning//"; "//entry%reason
+         end associate
+      end do
+   end function own_field_lines
 
    !> Words with blanks between them.
    pure function joined(words) result(text)

@@ -6,22 +6,15 @@ module sample_fields
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
    use base_text, only: append_text => append, closest, text_t
+   use material_field_requests, only: field_requests_t
+   use material_own_fields, only: own_fields
    use particle_store, only: store_t
    implicit none
    private
 
-   public :: choose_columns, column_t, fill_reals, fill_integers, picks_t
+   public :: choose_columns, column_t, field_names, fill_reals, fill_integers, picks_t
 
    integer, parameter, public :: field_name_length = 32  !! Longest name of a field
-   !> All names allowed in `fields` of an output, in addition to "default" and "state".
-   character(len=field_name_length), parameter, public :: field_names(35) = &
-      [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
-      "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &
-      "viscous_pressure", "energy", "temperature", "plastic_strain", &
-      "equivalent_strain", "inertial_number", "damage", "failed", "deformation_gradient", &
-      "plastic_dilation", "distension", "porosity", "scatter", "overload", "bulking", &
-      "solid_fraction", &
-      "bond", "extent", "domain", "affine", "spin", "burn_time", "fragment"]
    !> Fields of "default", if particles have them.
    character(len=field_name_length), parameter :: usual_names(12) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
@@ -72,6 +65,22 @@ module sample_fields
    end type fetcher_t
 
 contains
+
+   !> All names allowed in `fields` of an output, in addition to "default" and "state".
+   function field_names() result(names)
+      character(len=field_name_length), allocatable :: names(:)
+      type(field_requests_t) :: own
+      integer :: i
+
+      own = own_fields()
+      names = [character(len=field_name_length) :: "identity", "material", "body", "mass", &
+         "volume", "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &
+         "viscous_pressure", "energy", "temperature", "plastic_strain", "equivalent_strain", &
+         "inertial_number", "damage", "failed", "deformation_gradient", "plastic_dilation", &
+         (own%entries(i)%field, i=1, size(own%entries)), "porosity", "scatter", "overload", &
+         "bulking", "solid_fraction", "bond", "extent", "domain", "affine", "spin", "burn_time", &
+         "fragment"]
+   end function field_names
 
    !> Choose the columns of an output: names, "default" for the usual ones, or "state" for all
    !! fields that another run needs to start. An unknown field, or one that no particle has, is an
@@ -128,23 +137,25 @@ contains
    end subroutine append_state
 
    !> Why a field cannot be written.
-   pure function reason(name) result(text)
+   function reason(name) result(text)
       character(len=*), intent(in) :: name               !! Name of the field
       character(len=:), allocatable :: text
       type(text_t), allocatable :: names(:)
       character(len=:), allocatable :: near
       integer :: index
 
-      if (any(field_names == name)) then
-         text = "is not stored by any material of this scene"
-         return
-      end if
       allocate (names(0))
-      text = "is unknown; there are: default state"
-      do index = 1, size(field_names)
-         text = text//" "//trim(field_names(index))
-         call append_text(names, trim(field_names(index)))
-      end do
+      associate (known => field_names())
+         if (any(known == name)) then
+            text = "is not stored by any material of this scene"
+            return
+         end if
+         text = "is unknown; there are: default state"
+         do index = 1, size(known)
+            text = text//" "//trim(known(index))
+            call append_text(names, trim(known(index)))
+         end do
+      end associate
       near = closest(trim(name), names)
       if (near /= "") text = text//"; did you mean '"//near//"'?"
    end function reason

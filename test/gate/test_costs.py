@@ -11,6 +11,8 @@ import pytest
 import run_tests
 from sources import ROOT
 
+UNIT = 1.0     # of a unit test that was never recorded [s]: no more than it may take
+
 
 @pytest.fixture(scope="module")
 def tests(file_options):
@@ -21,7 +23,7 @@ def tests(file_options):
     costs = dict(line.rsplit(",", 1) for line in run_tests.COSTS.read_text(encoding="utf-8").splitlines()[1:])
     found = run_tests.listed(folder, [])
     for test in found:
-        test.cost = float(costs.get(test.name, run_tests.UNKNOWN))
+        test.cost = float(costs.get(test.name, UNIT if "unit" in test.labels else run_tests.UNKNOWN))
     return found
 
 

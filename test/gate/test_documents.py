@@ -92,7 +92,8 @@ class TestDocumentGate:
     def test_named_files(self):
         self.none([f"{place(path, number)} names {name}, which is not there" for path in DOCUMENTS
                    for number, line in enumerate(lines_of(path), 1) for name in NAMED.findall(line)
-                   if not (ROOT / name).exists()])
+                   # a name with a colon is the title of a file that the page contains (test_extension_pages.py)
+                   if line != f"`{name}`:" and not (ROOT / name).exists()])
 
     def test_every_document_is_linked(self):
         linked = {(path.parent / target.split("#")[0]).resolve() for path in DOCUMENTS
@@ -113,8 +114,10 @@ class TestDocumentGate:
     def test_fields(self, options):
         code, text = scree(options, "--list", "fields")
         assert code == 0, text
-        lines = dict(re.findall(r"^(?:(\w+): )?(.*)$", text.strip(), re.M))
-        assert first_cells(OUTPUT, "Snapshots") == lines[""].split()
+        names, lines = text.split("\n")[0].split(), dict(re.findall(r"^(\w+): (.*)$", text, re.M))
+        own = first_cells(ROOT / "doc/reference/keys.md", "Fields of single models")
+        assert own and first_cells(OUTPUT, "Snapshots") == [name for name in names if name not in own]
+        assert set(own) <= set(names)
         profile = first_cells(MATTER_OUTPUTS, "Profiles")
         assert profile == lines["profile"].split()
         history = sum((first_cells(OUTPUT, part) for part in ("History", "Errors against", "Columns by name")), [])

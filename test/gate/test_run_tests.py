@@ -3,11 +3,13 @@
 """The test runner, and the marks at the beginning of test files.
 
 Would catch a long test that is in none of the groups, one that starts without a known duration, a failed test or one
-that could not start that is counted as passed or skipped, a known miss or a skipped part that is not listed, and a
-misspelt mark, which CMake would ignore.
+that could not start that is counted as passed or skipped, a known miss or a skipped part that is not listed, a
+misspelt mark, which CMake would ignore, and a script that installs packages without being asked.
 """
 
+import os
 import re
+import subprocess
 import tempfile
 from pathlib import Path
 
@@ -110,6 +112,22 @@ class TestRunner:
         assert abs(run_tests.expected([test("a", 10, cores=2), test("b", 4)], 2) * used - 7.0) < 1e-12
         assert abs(run_tests.expected([test("a", 10), test("b", 4)], 2) * used - 10.0) < 1e-12
         assert abs(run_tests.expected([test("a", 30, cores=2), test("b", 4)], 2) * used - 17.0) < 1e-12
+
+
+class TestSetup:
+    """What scripts/test.sh does where packages are missing."""
+
+    def test_nothing_is_installed_unasked(self, tmp_path):
+        """Would catch a run of the tests that calls sudo or apt-get without --setup."""
+        for name, text in (("dpkg-query", "exit 1"), ("sudo", f"touch {tmp_path}/called; exit 1"),
+                           ("apt-get", f"touch {tmp_path}/called; exit 1")):
+            (tmp_path / name).write_text(f"#!/bin/sh\n{text}\n", encoding="utf-8")
+            (tmp_path / name).chmod(0o755)
+        path = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+        answer = subprocess.run([ROOT / "scripts/test.sh"], env=path, capture_output=True, text=True, check=False,
+                                stdin=subprocess.DEVNULL)
+        assert answer.returncode == 3 and "apt-get install" in answer.stderr, answer
+        assert not (tmp_path / "called").exists()
 
 
 class TestMarks:

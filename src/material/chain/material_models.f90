@@ -98,11 +98,22 @@ contains
       type(material_state_t), intent(out) :: state          !! State of its particles
       integer, optional, intent(in) :: particles            !! Capacity; 0 if not given
       type(field_requests_t) :: requests
-      integer :: n
+      integer, allocatable :: own(:)
+      integer :: i, n
 
       n = 0
       if (present(particles)) n = particles
       requests = self%field_requests()
+      own = pack([(i, i=1, size(requests%entries))], requests%entries%own)
+      allocate (state%own(size(own)))
+      do i = 1, size(own)
+         associate (entry => requests%entries(own(i)), field => state%own(i))
+            field%name = entry%field
+            field%unit = entry%unit
+            field%start = entry%start
+            allocate (field%values(n))
+         end associate
+      end do
       allocate (state%mass(n), state%volume(n), state%stress(n, 6))
       if (requests%has("viscous_pressure")) allocate (state%viscous_pressure(n))
       if (requests%has("energy")) allocate (state%energy(n))
@@ -110,8 +121,7 @@ contains
       if (requests%has("temperature")) allocate (state%temperature(n))
       if (requests%has("plastic_strain")) allocate (state%plastic_strain(n))
       if (requests%has("plastic_dilation")) allocate (state%plastic_dilation(n))
-      if (requests%has("porosity")) allocate (state%pores%porosity(n))
-      if (requests%has("distension")) allocate (state%pores%distension(n))
+      if (requests%has("porosity")) allocate (state%porosity(n))
       if (requests%has("damage")) allocate (state%damage(n))
       if (requests%has("scatter")) allocate (state%brittle%scatter(n))
       if (requests%has("overload")) allocate (state%brittle%overload(n))
@@ -129,8 +139,12 @@ contains
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: temperature            !! Initial temperature [K]
+      integer :: i
 
       state%stress(first:last, :) = 0.0_wp
+      do i = 1, size(state%own)
+         state%own(i)%values(first:last) = state%own(i)%start
+      end do
       if (allocated(state%viscous_pressure)) state%viscous_pressure(first:last) = 0.0_wp
       if (allocated(state%energy)) state%energy(first:last) = &
          self%start_energy(temperature)
@@ -138,9 +152,7 @@ contains
       if (allocated(state%temperature)) state%temperature(first:last) = temperature
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
-      if (allocated(state%pores%distension)) &
-         state%pores%distension(first:last) = self%eos%distension
-      if (allocated(state%pores%porosity)) state%pores%porosity(first:last) = self%law%porosity
+      if (allocated(state%porosity)) state%porosity(first:last) = self%law%porosity
       if (allocated(state%damage)) state%damage(first:last) = 0.0_wp
       if (allocated(state%brittle%scatter)) state%brittle%scatter(first:last) = 1.0_wp
       if (allocated(state%brittle%overload)) state%brittle%overload(first:last) = -1.0_wp

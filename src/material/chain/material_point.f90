@@ -228,6 +228,7 @@ contains
    pure function point_header(self) result(text)
       class(point_t), intent(in) :: self             !! The point, started
       character(len=:), allocatable :: text
+      integer :: i
 
       if (self%path == "hugoniot") then
          text = "particle_speed,shock_speed,pressure,density,energy"
@@ -239,8 +240,10 @@ contains
       if (allocated(self%state%plastic_strain)) text = text//",plastic_strain"
       if (allocated(self%state%damage)) text = text//",damage"
       if (allocated(self%state%failed)) text = text//",failed"
-      if (allocated(self%state%pores%distension)) text = text//",distension"
-      if (allocated(self%state%pores%porosity)) text = text//",porosity"
+      do i = 1, size(self%state%own)
+         text = text//","//trim(self%state%own(i)%name)
+      end do
+      if (allocated(self%state%porosity)) text = text//",porosity"
       if (allocated(self%state%solid_fraction)) text = text//",solid_fraction"
    end function point_header
 
@@ -251,6 +254,7 @@ contains
       real(wp), intent(in) :: strain                 !! [1]
       real(wp), allocatable :: row(:)
       real(wp) :: pressure, mises
+      integer :: i
 
       associate (state => self%state)
          pressure = -sum(state%stress(1, 1:3))/3.0_wp
@@ -263,8 +267,10 @@ contains
          if (allocated(state%plastic_strain)) row = [row, state%plastic_strain(1)]
          if (allocated(state%damage)) row = [row, state%damage(1)]
          if (allocated(state%failed)) row = [row, real(state%failed(1), wp)]
-         if (allocated(state%pores%distension)) row = [row, state%pores%distension(1)]
-         if (allocated(state%pores%porosity)) row = [row, state%pores%porosity(1)]
+         do i = 1, size(state%own)
+            row = [row, state%own(i)%values(1)]
+         end do
+         if (allocated(state%porosity)) row = [row, state%porosity(1)]
          if (allocated(state%solid_fraction)) row = [row, state%solid_fraction(1)]
       end associate
    end function point_row

@@ -73,7 +73,7 @@ contains
          call self%voids%to_solid_volume(solid, deformation, first, last)
          call self%eos%update(solid, deformation, first, last)
          call self%voids%to_total_volume(solid, deformation, first, last)
-      else if (allocated(state%pores%porosity)) then
+      else if (allocated(state%porosity)) then
          solid = state
          call to_matrix_volume(solid, deformation, first, last)
          call self%eos%update(solid, deformation, first, last)
@@ -267,7 +267,7 @@ contains
          call self%eos%update(state, deformation, first, last)
          call add_bulking(state, deformation, first, last)
          call self%voids%to_total_volume(state, deformation, first, last)
-      else if (allocated(state%pores%porosity)) then
+      else if (allocated(state%porosity)) then
          call to_matrix_volume(state, deformation, first, last)
          call self%eos%update(state, deformation, first, last)
          call take_matrix_pressure(state, deformation, first, last)
@@ -360,7 +360,7 @@ contains
       if (allocated(self%voids)) &
          deformation%voids%old_temperature(:last - first + 1) = state%temperature(first:last)
       if (allocated(self%voids)) call self%voids%to_solid_volumes(state, deformation, first, last)
-      if (allocated(state%pores%porosity)) &
+      if (allocated(state%porosity)) &
          call to_matrix_volumes(state, deformation, first, last)
       given = .false.
       if (allocated(self%eos)) given = self%eos%gives_temperature()
@@ -372,7 +372,7 @@ contains
          call heat_particles(self%heat%specific_heat, plastic_share, state, deformation, first, &
             last)
       end if
-      if (allocated(state%pores%porosity) .or. allocated(self%voids)) &
+      if (allocated(state%porosity) .or. allocated(self%voids)) &
          state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       if (allocated(self%voids)) call expand_grains(self%voids%expansion, state, deformation, &
          first, last)

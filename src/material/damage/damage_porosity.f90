@@ -71,7 +71,7 @@ contains
       integer :: i
 
       do concurrent (i=first:last)
-         state%damage(i) = min(1.0_wp, max(state%damage(i), state%pores%porosity(i)/self%final))
+         state%damage(i) = min(1.0_wp, max(state%damage(i), state%porosity(i)/self%final))
       end do
    end subroutine porosity_update
 end module damage_porosity

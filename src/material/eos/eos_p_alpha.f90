@@ -114,7 +114,8 @@ contains
       class(field_requests_t), intent(inout) :: requests
 
       call requests%add("energy", "equation of state p_alpha", 1)
-      call requests%add("distension", "equation of state p_alpha", 1)
+      call requests%add_own("distension", "1", "density of the solid over density", &
+         "equation of state p_alpha", self%distension)
    end subroutine p_alpha_request
 
    !> Pressure and square of the sound speed at constant distension, the greatest wave speed.
@@ -124,12 +125,13 @@ contains
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first, last                   !! Particles of the range
       real(wp) :: density, alpha
-      integer :: i, k
+      integer :: i, k, own
 
+      own = state%own_index("distension")
       do i = 1, last - first + 1
          k = first - 1 + i
          density = state%mass(k)/state%volume(k)
-         alpha = state%pores%distension(k)
+         alpha = state%own(own)%values(k)
          call crush(self, density, state%energy(k), alpha)
          deformation%distension(i) = alpha
          call mie_gruneisen_state(self%solid%density, self%solid%sound, self%solid%slope, &
@@ -202,6 +204,7 @@ contains
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first, last                   !! Particles of the range
 
-      state%pores%distension(first:last) = deformation%distension(:last - first + 1)
+      state%own(state%own_index("distension"))%values(first:last) = &
+         deformation%distension(:last - first + 1)
    end subroutine p_alpha_keep_state
 end module eos_p_alpha

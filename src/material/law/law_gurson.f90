@@ -220,7 +220,7 @@ contains
          group%trial(n) = deformation%plastic_increment(offset + n)
          group%trial_pressure(n) = deformation%pressure(offset + n)
          group%bulk(n) = max(modulus - deformation%pressure(offset + n), softest*modulus)
-         group%porosity(n) = state%pores%porosity(before + n)
+         group%porosity(n) = state%porosity(before + n)
          group%strength(n) = yield + hardening*state%plastic_strain(before + n)
       end do
    end subroutine read_group
@@ -290,7 +290,7 @@ contains
          deformation%plastic_increment(i) = lanes%strain(l)
          state%plastic_strain(k) = state%plastic_strain(k) + lanes%strain(l)
          state%plastic_dilation(k) = state%plastic_dilation(k) - opened(l)
-         state%pores%porosity(k) = lanes%porosity(l) + lanes%making_later(l)*lanes%strain(l)
+         state%porosity(k) = lanes%porosity(l) + lanes%making_later(l)*lanes%strain(l)
       end do
    end subroutine move_results
 

@@ -12,6 +12,10 @@ module material_field_requests
       character(len=:), allocatable :: field         !! Name of the field in files
       character(len=:), allocatable :: reason        !! Models that request it
       integer :: bytes = 0                           !! Bytes a particle
+      logical :: own = .false.                       !! Described by the model that requests it
+      character(len=:), allocatable :: unit          !! SI unit of an own field
+      character(len=:), allocatable :: meaning       !! Of an own field, for the user
+      real(wp) :: start = 0.0_wp                     !! Own field of new particles
    end type field_request_t
 
    !> All fields, each once.
@@ -19,6 +23,7 @@ module material_field_requests
       type(field_request_t), allocatable :: entries(:) !! In the order of requests
    contains
       procedure :: add => requests_add                 !! Request a field
+      procedure :: add_own => requests_add_own         !! Request a field of one model
       procedure :: has => requests_has                 !! True if a field is requested
       procedure :: bytes => requests_bytes             !! Bytes per particle of all fields
       procedure :: report => requests_report           !! Table for the user
@@ -51,6 +56,26 @@ contains
       longer(known + 1)%bytes = components*storage_size(1.0_wp)/8
       call move_alloc(longer, self%entries)
    end subroutine requests_add
+
+   !> Request a field that belongs to one model. This call is its whole declaration: the field is
+   !! allocated, sorted, sent, stored in checkpoints, and allowed in `fields` of outputs. A model
+   !! requests its own fields for all values of its keys, so that they can be listed.
+   pure subroutine requests_add_own(self, field, unit, meaning, reason, start)
+      class(field_requests_t), intent(inout) :: self
+      character(len=*), intent(in) :: field          !! Name of the field
+      character(len=*), intent(in) :: unit           !! SI unit, "1" without dimension
+      character(len=*), intent(in) :: meaning        !! For the user
+      character(len=*), intent(in) :: reason         !! Model that requests it
+      real(wp), optional, intent(in) :: start        !! Value of new particles; 0 if not given
+
+      call self%add(field, reason, 1)
+      associate (entry => self%entries(size(self%entries)))
+         entry%own = .true.
+         entry%unit = unit
+         entry%meaning = meaning
+         if (present(start)) entry%start = start
+      end associate
+   end subroutine requests_add_own
 
    !> True if a field is requested.
    pure logical function requests_has(self, field) result(found)

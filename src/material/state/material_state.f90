@@ -9,11 +9,13 @@ module material_state
 
    public :: deformation_t, has_energy, material_state_t, void_scratch_t
 
-   !> State of pores.
-   type :: pore_state_t
-      real(wp), allocatable :: distension(:)         !! Density of the solid over density [1]
-      real(wp), allocatable :: porosity(:)           !! Volume of pores over the whole [1]
-   end type pore_state_t
+   !> A field that one model requests and describes, see `add_own` of the requests.
+   type :: own_field_t
+      character(len=32) :: name = ""                 !! Name in files
+      character(len=16) :: unit = "1"                !! SI unit
+      real(wp) :: start = 0.0_wp                     !! Value of new particles
+      real(wp), allocatable :: values(:)             !! (particle)
+   end type own_field_t
 
    !> State of brittle failure.
    type :: brittle_state_t
@@ -45,11 +47,13 @@ module material_state
       !> dx_k/dX_l of current to initial position, column k + 3 (l - 1) (:, 9) [1]
       real(wp), allocatable :: deformation_gradient(:, :)
       integer(int64), allocatable :: failed(:)       !! Failure flag, 0 or 1, never averaged
-      type(pore_state_t) :: pores                    !! State of pores
+      real(wp), allocatable :: porosity(:)           !! Volume of pores over the whole [1]
+      type(own_field_t), allocatable :: own(:)       !! Fields of single models
       type(brittle_state_t) :: brittle               !! Brittle failure
       type(recorded_state_t) :: recorded             !! For outputs
    contains
       procedure :: walk => material_walk             !! Shows each allocated field to a worker
+      procedure :: own_index => material_own_index   !! Index of a field of a single model
    end type material_state_t
 
    !> Scratch of the laws of strength.
@@ -117,6 +121,7 @@ contains
    subroutine material_walk(self, worker)
       class(material_state_t), intent(inout) :: self
       class(field_worker_t), intent(inout) :: worker !! Work on each field
+      integer :: i
 
       call worker%scalar("mass", "kg", self%mass)
       call worker%scalar("volume", "m3", self%volume)
@@ -130,10 +135,12 @@ contains
          call worker%scalar("plastic_strain", "1", self%plastic_strain)
       if (allocated(self%plastic_dilation)) &
          call worker%scalar("plastic_dilation", "1", self%plastic_dilation)
-      if (allocated(self%pores%distension)) &
-         call worker%scalar("distension", "1", self%pores%distension)
-      if (allocated(self%pores%porosity)) &
-         call worker%scalar("porosity", "1", self%pores%porosity)
+      if (allocated(self%own)) then
+         do i = 1, size(self%own)
+            call worker%scalar(trim(self%own(i)%name), trim(self%own(i)%unit), self%own(i)%values)
+         end do
+      end if
+      if (allocated(self%porosity)) call worker%scalar("porosity", "1", self%porosity)
       if (allocated(self%damage)) call worker%scalar("damage", "1", self%damage)
       associate (brittle => self%brittle, recorded => self%recorded)
          if (allocated(brittle%scatter)) call worker%scalar("scatter", "1", brittle%scatter)
@@ -150,6 +157,16 @@ contains
       end associate
       if (allocated(self%failed)) call worker%whole("failed", "1", self%failed)
    end subroutine material_walk
+
+   !> Index in `own` of the field of a single model; 0 if there is none of this name.
+   pure integer function material_own_index(self, name) result(index)
+      class(material_state_t), intent(in) :: self
+      character(len=*), intent(in) :: name           !! Name of the field
+
+      do index = size(self%own), 1, -1
+         if (self%own(index)%name == name) return
+      end do
+   end function material_own_index
 
    !> Allocate the scratch for a number of particles. Its contents are lost.
    pure subroutine deformation_reserve(self, particles)

@@ -353,18 +353,20 @@ contains
       allocate (missing(0))
       requests = material%field_requests()
       if (points%snapshot) then
-         do n = 1, size(field_names)
-            if (.not. (requests%has(trim(field_names(n))) .or. of_method(field_names(n)))) cycle
-            if (.not. comes_from_file(trim(field_names(n)), stress)) cycle
-            do k = size(points%list%fields), 1, -1
-               if (points%list%fields(k)%text == field_names(n)) exit
+         associate (names => field_names())
+            do n = 1, size(names)
+               if (.not. (requests%has(trim(names(n))) .or. of_method(names(n)))) cycle
+               if (.not. comes_from_file(trim(names(n)), stress)) cycle
+               do k = size(points%list%fields), 1, -1
+                  if (points%list%fields(k)%text == names(n)) exit
+               end do
+               if (k == 0) call append(missing, trim(names(n)))
+               if (k > 0 .and. .not. points%placing%keeps(trim(names(n)))) &
+                  call deck%warn(group, "boxes along the coordinates can be rotated only by "// &
+                  "right angles, so '"//trim(names(n))//"' of '"//points%path// &
+                  "' is not used; its particles start as cubes of their volume [D417]", "region")
             end do
-            if (k == 0) call append(missing, trim(field_names(n)))
-            if (k > 0 .and. .not. points%placing%keeps(trim(field_names(n)))) &
-               call deck%warn(group, "boxes along the coordinates can be rotated only by "// &
-               "right angles, so '"//trim(field_names(n))//"' of '"//points%path// &
-               "' is not used; its particles start as cubes of their volume [D417]", "region")
-         end do
+         end associate
       else if (stress) then
          call append(missing, "stress")
       end if
