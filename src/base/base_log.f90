@@ -7,7 +7,7 @@ module base_log
    implicit none
    private
 
-   public :: log_t, progress_heading, progress_line, progress_t
+   public :: duration, log_t, progress_heading, progress_line, progress_t
 
    !> Levels. A line is written if its level is not above that of the log.
    integer, parameter, public :: log_error = 0, log_warn = 1, log_info = 2, log_debug = 3

@@ -17,7 +17,6 @@ module run_session
    use run_resume_command, only: resume_command
    use run_binding, only: binding_warning
    use run_existing_results, only: lock_case, nothing_to_restart, protect_results
-   use run_expected_steps, only: expected_steps
    use run_log_files, only: open_log
    use run_messages, only: with_code
    use run_restart, only: log_restart, restart_run
@@ -157,8 +156,6 @@ contains
       character(len=:), allocatable :: note, warning
       type(changes_t) :: changes
 
-      session%simulation%clock%guard%expected = expected_steps(session%simulation, session%bodies, &
-         session%limits)
       ! before the log is opened: a run that is refused changes no file of the previous one
       call lock_case(session, session%log, error)
       if (allocated(error)) return

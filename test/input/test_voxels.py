@@ -165,13 +165,6 @@ class TestVoxels:
         said = self.run_of(options, "thin", {"a.h5": {"voxels": (plane, {})}}, expect=2, flags=("--check",)).output
         assert "the voxels have 2 directions, the scene 3" in said
 
-    def test_check_tells_volumes(self, options):
-        """Number and volume of the voxels, and volume of the particles."""
-        said = self.run_of(options, "told", {"a.h5": {"voxels": (self.block(), {"spacing": 0.0625})}},
-                           "voxel_value = 2",
-                           flags=("--check", "--no-estimate")).output
-        assert "voxels     one: 12 have 0.00292969 m3, its particles hold 0.00292969 m3 (0 %)" in said
-
     def test_broken_files(self, options, sheet):
         """Each is refused with the error and its position; nothing crashes."""
         voxels = self.block()

@@ -44,7 +44,7 @@ contains
 
    !> Displacement of the nodes of a tile that its particles use. In most tiles the greatest
    !! velocity is so small that nodes need not be examined one by one; in tiles that move as rigid
-   !! bodies only displacements are examined. Equation (S.7) of doc/theory/time_step.md.
+   !! bodies only displacements are examined. Equation (S.4) of doc/theory/time_step.md.
    pure subroutine examine_tile(simulation, field, tile, slot, dt, reach)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
