@@ -18,7 +18,7 @@ _scree() {
          mapfile -t COMPREPLY < <(compgen -d -- "${word}")
          compopt -o filenames 2> /dev/null
          return ;;
-      --job) words="slurm pbs lsf flux" ;;
+      --job) words="slurm pbs" ;;
       --nodes) words="" ;;
       --ranks) words="" ;;
       --threads) words="" ;;
