@@ -22,7 +22,7 @@ module run_cost_report
    implicit none
    private
 
-   public :: checkpoint_bytes, cost_report, memory_bytes
+   public :: cost_report, memory_bytes
 
 contains
 

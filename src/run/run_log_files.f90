@@ -13,7 +13,6 @@ module run_log_files
    use deck_reader, only: deck_t, group_t
    use omp_lib, only: omp_get_max_threads
    use run_cost_report, only: cost_report
-   use run_file_hints, only: set_file_hints
    use run_setup, only: run_setup_t
    use run_threads, only: threads_text
    use scene_effects, only: effects_text
@@ -31,14 +30,13 @@ contains
       integer, intent(in) :: most_threads            !! Threads of a rank that are available
       type(log_t), intent(inout) :: log              !! Opened
       type(error_t), allocatable, intent(out) :: error !! Folder or file cannot be written
-      character(len=:), allocatable :: hints, line, stem
+      character(len=:), allocatable :: line, stem
 
       associate (communicator => setup%simulation%machine%communicator, outputs => setup%outputs, &
          survey => setup%survey)
          if (communicator%rank == 0) call make_folder(outputs%folder, error)
          call agree(communicator, error)
          if (allocated(error)) return
-         call set_file_hints(setup, outputs%folder, hints)
          stem = outputs%folder//"/"//outputs%case
          ! a link of this name may lead to a file elsewhere, which must not change
          if (communicator%rank == 0) call remove_file(stem//".log")
@@ -54,7 +52,6 @@ contains
             int((survey%tiles + communicator%size - 1)/communicator%size), &
             survey%particles/communicator%size)
          if (len(line) > 0) call log%info(line)
-         if (len(hints) > 0) call log%info(hints)
          if (setup%deck%warnings() > 0) call log%warn(setup%deck%report())
          call log%info(effects_text(setup%schema, setup%deck)// &
             cost_report(setup%simulation, setup%bodies, survey, setup%limits, &
