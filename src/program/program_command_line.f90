@@ -22,12 +22,12 @@ module program_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(28) = [ &
+   type(option_t), parameter :: options(27) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
       option_t("outdir  ", "o", a_value), option_t("quiet   ", "q", nothing), &
-      option_t("verbose ", "v", nothing), option_t("digest  ", " ", a_value), &
+      option_t("digest  ", " ", a_value), &
       option_t("template", " ", nothing), option_t("explain ", " ", a_value), &
       option_t("list    ", " ", a_value), option_t("point   ", " ", nothing), &
       option_t("force   ", " ", nothing), option_t("new     ", " ", a_value), &
@@ -266,8 +266,6 @@ contains
          command%output%folder = value
       case ("quiet")
          command%output%quiet = .true.
-      case ("verbose")
-         command%output%verbose = .true.
       case ("force")
          command%force = .true.
       case ("digest")

@@ -29,7 +29,6 @@ module run_command
       character(len=:), allocatable :: folder            !! Replaces out/CASE
       logical :: overwrite = .false.                     !! Remove the results of a previous run
       logical :: quiet = .false.                         !! Print only warnings and errors
-      logical :: verbose = .false.                       !! Print details as well
    end type output_options_t
 
    !> Options of a job script.
@@ -105,8 +104,6 @@ contains
          if (.not. allocated(command%example%folder)) call command_line_error(error, &
             "--new needs a folder after the example; usage: scree --new "//command%example%name// &
             " FOLDER")
-      else if (command%output%quiet .and. command%output%verbose) then
-         call command_line_error(error, "--quiet and --verbose exclude each other")
       else if (command%point .and. (command%check .or. command%restart)) then
          call command_line_error(error, "--point excludes --check and --restart")
       else if (command%grains .and. (command%point .or. command%preview &

@@ -5,7 +5,7 @@ module run_log_files
    use base_agreement, only: agree
    use base_error, only: error_t
    use base_file, only: make_folder, remove_file, write_file
-   use base_log, only: log_debug, log_error, log_info, log_t, log_warn
+   use base_log, only: log_error, log_info, log_t, log_warn
    use base_text, only: number
    use base_communicator, only: message_passing_version
    use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
@@ -40,8 +40,8 @@ contains
          stem = outputs%folder//"/"//outputs%case
          ! a link of this name may lead to a file elsewhere, which must not change
          if (communicator%rank == 0) call remove_file(stem//".log")
-         call log%open(communicator%rank, stem//".log", log_level(setup%deck, &
-            setup%command%output%verbose), setup%command%output%quiet, error)
+         call log%open(communicator%rank, stem//".log", log_level(setup%deck), &
+            setup%command%output%quiet, error)
          call agree(communicator, error)
          if (allocated(error)) return
          call log%info(version_line())
@@ -62,9 +62,8 @@ contains
    end subroutine open_log
 
    !> Greatest level of the lines in the log.
-   integer function log_level(deck, verbose) result(level)
+   integer function log_level(deck) result(level)
       type(deck_t), intent(in) :: deck
-      logical, intent(in) :: verbose                 !! From the command line
       type(group_t) :: group
       character(len=:), allocatable :: word
 
@@ -75,12 +74,9 @@ contains
          level = log_error
       case ("warn")
          level = log_warn
-      case ("debug")
-         level = log_debug
       case default
          level = log_info
       end select
-      if (verbose) level = log_debug
    end function log_level
 
    !> Versions of the program, the compiler and the message passing library, in one line.
