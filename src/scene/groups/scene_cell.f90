@@ -46,7 +46,7 @@ contains
             "it", "paper")
          return
       end if
-      call need(deck, "transfer", [character(len=4) :: "flip", "pic "])
+      call need(deck, "transfer", [character(len=4) :: "flip", "pic", "xpic", "fmpm"])
       call need(deck, "stress_update", [stress_names(stress_after)])
       call need(deck, "basis", [character(len=9) :: "linear", "gimp", "quadratic", "cubic"])
       run = deck%group("run")

@@ -28,7 +28,7 @@ module step_advance
    use step_stress_difference, only: find_stress_difference
    use step_tile_rotation, only: smooth_tile_rotation
    use step_time_step, only: finish_step
-   use step_velocity_remap, only: remap_momentum
+   use step_velocity_remap, only: filter_velocities, remap_momentum
    implicit none
    private
 
@@ -200,12 +200,14 @@ contains
       end do
    end subroutine move_in_contact
 
-   !> Map the velocities of the particles once more, if the strain uses them (MUSL).
+   !> Filter the node velocities (XPIC, FMPM), or map those of the particles once more (MUSL).
    subroutine remap_velocities(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
+      if (simulation%scheme%method%transfer%sweeps() > 0) call filter_velocities(simulation, &
+         field, dt)
       if (.not. simulation%scheme%method%remaps()) return
       call remap_momentum(simulation, field, dt)
       call find_remapped_velocities(simulation, field)

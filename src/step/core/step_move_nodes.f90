@@ -394,14 +394,14 @@ contains
       real(wp), allocatable :: none(:, :), mapped(:, :), momentum(:, :)
 
       associate (strain => field%nodes%motion%strain(:, :, tile))
-         if (size(field%nodes%remap, 1) == 3) then
+         if (size(field%nodes%series%extra, 1) == 3) then
             call assemble(simulation%space%grid, simulation%space%tiles, &
-               field%nodes%remap, tile, strain)
+               field%nodes%series%extra, tile, strain)
          else
             ! with linear velocity fields the patch also has the mass, in its first row
             allocate (momentum(4, size(strain, 2)))
             call assemble(simulation%space%grid, simulation%space%tiles, &
-               field%nodes%remap, tile, momentum)
+               field%nodes%series%extra, tile, momentum)
             strain = momentum(2:, :)
          end if
          call divide(field%nodes%motion%mass(:, :, tile), 1, strain)
@@ -421,7 +421,7 @@ contains
    end subroutine remap_tile
 
    !> The velocity of the nodes of a tile at the end of a step, from the gain of the particles and a
-   !! fraction of the gain that they did not receive. Equation (T.9) of doc/theory/transfers.md.
+   !! fraction of the gain that they did not receive. Equation (T.14) of doc/theory/transfers.md.
    pure subroutine add_gained(scheme, clock, field, tile, velocity)
       type(scheme_t), intent(in) :: scheme
       type(clock_t), intent(in) :: clock

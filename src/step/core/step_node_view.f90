@@ -11,6 +11,7 @@ module step_node_view
    use step_method, only: stress_before
    use step_particles_to_nodes, only: nodes_seen
    use step_simulation, only: scheme_t, simulation_t, space_t, velocity_field_t
+   use step_velocity_remap, only: find_filtered
    use transfer_affine, only: moment_fields
    use transfer_increments, only: increments_t
    implicit none
@@ -28,6 +29,7 @@ module step_node_view
    !> Kinetic energy lost at the nodes of a tile, for its particles.
    type :: loss_view_t
       real(wp), allocatable :: heat(:, :) !! (column, node) Fields gathered at the particles
+      real(wp), allocatable :: scalar(:, :)          !! (1, node) Value of the nodes [J/kg]
       real(wp), allocatable :: turn(:, :) !! (3, node) Velocity from linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Moments of these [m2/s]
    end type loss_view_t
@@ -44,6 +46,7 @@ module step_node_view
       type(loss_view_t) :: loss                      !! Lost kinetic energy
       type(increments_t) :: increments               !! Increments and heat, if gathered at once
       logical :: at_once = .false.                   !! Are they gathered at once?
+      real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
       real(wp), allocatable :: excess(:, :) !! (1, node) Fill less 1, for loose material [1]
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
       logical :: slow = .false.                      !! Can no gradient limit the step?
@@ -136,7 +139,7 @@ contains
       type(scheme_t), intent(in) :: scheme
 
       associate (transfer => scheme%method%transfer)
-         at_once = transfer%flip_fraction() > 0.5_wp .and. &
+         at_once = transfer%sweeps() == 0 .and. transfer%flip_fraction() > 0.5_wp .and. &
             (scheme%carries_energy .or. damps(scheme%method, scheme%carries_energy))
       end associate
    end function gathers_at_once
@@ -151,6 +154,7 @@ contains
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       type(view_t), intent(inout) :: view            !! Node fields for the particles
+      real(wp) :: none(1, 0)
       integer :: low, high
 
       view%at_once = gathers_at_once(scheme)
@@ -174,15 +178,23 @@ contains
       high = space%grid%tile_nodes
       ! fields of the lost energy are found on all nodes
       if (.not. scheme%carries_energy) call nodes_seen(space, field, tile, low, high)
+      call find_filtered(space, scheme, field, tile, low, high, dt, view%filtered)
       call find_carriers(scheme, dt, field%nodes%motion%velocity(:, low:high, view%slot), &
-         field%nodes%motion%acceleration(:, low:high, view%slot), &
+         field%nodes%motion%acceleration(:, low:high, view%slot), view%filtered(:, low:high), &
          view%push(:, low:high), view%carry(:, low:high))
-      associate (transfer => scheme%method%transfer, &
-         velocity => field%nodes%motion%velocity(:, :, view%slot), &
+      associate (transfer => scheme%method%transfer, nodes => field%nodes, &
+         velocity => field%nodes%motion%velocity(:, :, view%slot), filtered => view%filtered, &
          acceleration => field%nodes%motion%acceleration(:, :, view%slot))
          if (transfer%affine()) view%after = velocity + dt*acceleration
          if (.not. scheme%carries_energy) return
-         call transfer%heat_fields(dt, velocity, acceleration, view%loss%heat)
+         if (transfer%sweeps() > 0) then
+            call transfer%heat_fields(dt, velocity, acceleration, filtered, &
+               nodes%series%term(:, :, tile), nodes%series%loss(:, :, tile), view%loss%heat, &
+                  view%loss%scalar)
+         else
+            call transfer%heat_fields(dt, velocity, acceleration, filtered, filtered, none, &
+               view%loss%heat, view%loss%scalar)
+         end if
          if (.not. transfer%affine()) return
          view%loss%turn = (1.0_wp - transfer%flip_fraction())*velocity &
             - transfer%flip_fraction()*dt*acceleration
@@ -193,16 +205,20 @@ contains
    end subroutine set_motion_view
 
    !> Velocity increment for the particles, and the velocity that moves them.
-   pure subroutine find_carriers(scheme, dt, velocity, acceleration, push, carry)
+   pure subroutine find_carriers(scheme, dt, velocity, acceleration, filtered, push, carry)
       type(scheme_t), intent(in) :: scheme
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series [m/s]
       real(wp), contiguous, intent(inout) :: push(:, :)      !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
 
-      call scheme%method%transfer%velocity_increment(dt, velocity, acceleration, push)
-      call combine(1.0_wp, velocity, merge(1.0_wp, 0.5_wp, scheme%method%leapfrog)*dt, &
-         acceleration, carry)
+      call scheme%method%transfer%velocity_increment(dt, acceleration, filtered, push)
+      if (scheme%method%leapfrog) then
+         call scheme%method%transfer%advection_velocity(dt, velocity, acceleration, filtered, carry)
+      else
+         call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, carry)
+      end if
    end subroutine find_carriers
 end module step_node_view

@@ -45,7 +45,8 @@ DECK = """
 """
 
 
-WORDS = ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'")
+WORDS = ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'", "transfer='xpic'",
+         "transfer='xpic' order_k=5", "transfer='fmpm'", "transfer='fmpm' order_k=5")
 
 
 @pytest.mark.parametrize("dimension, method, update, crossings, words", [
