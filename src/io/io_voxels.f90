@@ -64,7 +64,7 @@ contains
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! Error message
 
-      call fail(error, exit_file, "cannot read the voxels of '"//path//"': "//what)
+      call fail(error, exit_file, "cannot read the voxels of '"//path//"': "//what//" [F114]")
    end subroutine fail_reading
 
    !> List of the other values, for a message.

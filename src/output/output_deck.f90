@@ -107,7 +107,7 @@ contains
       call checkpoint%get("dt", dt)
       call time%get("t_end", t_end)
       if (t_end/most > dt) call deck%add_error(checkpoint, "dt gives "//brief(t_end/dt)// &
-         " checkpoints until t_end; use a longer dt, or wall_minutes", "dt")
+         " checkpoints until t_end; use a longer dt, or wall_minutes [D438]", "dt")
    end subroutine check_checkpoint
 
    !> Check the names of fields in a deck with errors that leave the stores of the scene unknown.

@@ -55,7 +55,7 @@ contains
       if (all([(trim(setup%limits%signals(n)) /= "USR1", n=1, size(setup%limits%signals))])) then
          call fail(error, exit_input, &
             "the scheduler announces the end of the job with signal USR1; "// &
-            "add 'USR1' to on_signal in &checkpoint of "//setup%command%deck)
+            "add 'USR1' to on_signal in &checkpoint of "//setup%command%deck//" [C205]")
          return
       end if
       call choose_job(setup, deck, job)

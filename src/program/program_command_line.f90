@@ -104,10 +104,10 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! There is one already
 
       if (argument == "") then
-         call command_line_error(error, "the name of the deck is empty")
+         call command_line_error(error, "the name of the deck is empty [C115]")
       else if (allocated(command%deck)) then
          call command_line_error(error, &
-            "one deck at a time, not '"//command%deck//"' and '"//argument//"'")
+            "one deck at a time, not '"//command%deck//"' and '"//argument//"' [C110]")
       else
          command%deck = argument
       end if
@@ -138,9 +138,9 @@ contains
       if (which == 0) then
          near = closest(name, names)
          if (near /= "") near = "; did you mean --"//near//"?"
-         call command_line_error(error, "unknown option --"//name//near)
+         call command_line_error(error, "unknown option --"//name//near//" [C101]")
       else if (options(which)%takes == nothing .and. allocated(value)) then
-         call command_line_error(error, "--"//name//" takes no value")
+         call command_line_error(error, "--"//name//" takes no value [C106]")
       else
          call find_value(arguments, next, options(which), value)
          call apply_option(options(which), value, command, error)
@@ -162,7 +162,7 @@ contains
       do which = 1, size(options)
          if (letters(2:) /= trim(options(which)%name)) cycle
          call command_line_error(error, &
-            "unknown option "//letters//"; did you mean -"//letters//"?")
+            "unknown option "//letters//"; did you mean -"//letters//"? [C101]")
          return
       end do
       do while (at <= len(letters))
@@ -291,9 +291,9 @@ contains
 
       if (option%takes /= a_value) return
       if (.not. allocated(value)) then
-         call command_line_error(error, "--"//trim(option%name)//" needs a value")
+         call command_line_error(error, "--"//trim(option%name)//" needs a value [C112]")
       else if (value == "") then
-         call command_line_error(error, "the value of --"//trim(option%name)//" is empty")
+         call command_line_error(error, "the value of --"//trim(option%name)//" is empty [C105]")
       end if
    end subroutine require_value
 
@@ -317,11 +317,11 @@ contains
          right = is_clock(value)
          if (right) right = clock_seconds(value) > 0
          if (.not. right) call command_line_error(error, "--time = '"//value// &
-            "' must be hours, minutes and seconds such as 04:00:00, or with days 2-00:00:00")
+            "' must be hours, minutes and seconds such as 04:00:00, or with days 2-00:00:00 [C113]")
       case default
          command%job%scheduler = value
          if (all(schedulers /= value)) call command_line_error(error, &
-            "--job knows "//scheduler_list("and")//", not '"//value//"'")
+            "--job knows "//scheduler_list("and")//", not '"//value//"' [C204]")
       end select
    end subroutine apply_job_option
 

@@ -87,7 +87,7 @@ contains
       if (command%information%help .or. command%information%version) return
       if (command%self_test) then
          if (allocated(command%deck)) call command_line_error(error, &
-            "--self-test takes no deck; it has its own scenes")
+            "--self-test takes no deck; it has its own scenes [C107]")
          return
       end if
       if (allocated(command%information%list)) then
@@ -98,28 +98,28 @@ contains
          allocated(command%information%digest)) return
       if (.not. (command%estimate .or. command%check)) then
          call command_line_error(error, &
-            "--no-estimate needs --check; only a check makes an estimate")
+            "--no-estimate needs --check; only a check makes an estimate [C108]")
       else if (allocated(command%example%name)) then
          call move_alloc(command%deck, command%example%folder)
          if (.not. allocated(command%example%folder)) call command_line_error(error, &
             "--new needs a folder after the example; usage: scree --new "//command%example%name// &
             " FOLDER")
       else if (command%point .and. (command%check .or. command%restart)) then
-         call command_line_error(error, "--point excludes --check and --restart")
+         call command_line_error(error, "--point excludes --check and --restart [C107]")
       else if (command%grains .and. (command%point .or. command%preview &
          .or. allocated(command%job%scheduler))) then
-         call command_line_error(error, "--grains excludes --point, --preview and --job")
+         call command_line_error(error, "--grains excludes --point, --preview and --job [C107]")
       else if (command%information%echo .and. (command%check .or. command%preview &
          .or. command%point .or. command%grains .or. command%restart &
          .or. allocated(command%job%scheduler))) then
          call command_line_error(error, "--echo excludes --check, --preview, --point, "// &
-            "--grains, --restart and --job")
+            "--grains, --restart and --job [C107]")
       else if (command%check .and. command%restart) then
-         call command_line_error(error, "--check and --restart exclude each other")
+         call command_line_error(error, "--check and --restart exclude each other [C107]")
       else if (command%output%overwrite .and. command%restart) then
          call command_line_error(error, &
             "--overwrite and --restart exclude each other: a run either "// &
-            "starts again or continues; give --outdir to continue in another folder")
+            "starts again or continues; give --outdir to continue in another folder [C107]")
       else if (command%preview .and. (command%check .or. command%point .or. command%restart &
          .or. allocated(command%job%scheduler))) then
          call command_line_error(error, &
@@ -127,7 +127,7 @@ contains
             "scree twice")
       else if (.not. allocated(command%deck)) then
          call command_line_error(error, &
-            "no deck; usage: scree [options] DECK.nml, and scree --help for more")
+            "no deck; usage: scree [options] DECK.nml, and scree --help for more [C115]")
       else
          call check_job(command, error)
       end if
@@ -151,7 +151,7 @@ contains
       near = closest(name, names)
       if (near /= "") near = "; did you mean "//near//"?"
       call command_line_error(error, "--list knows materials, fields, shapes, units, "// &
-         "examples and messages, not '"//name//"'"//near)
+         "examples and messages, not '"//name//"'"//near//" [C109]")
    end subroutine check_list
 
    !> Check the options of a job script, which is printed and not run.
@@ -161,21 +161,21 @@ contains
 
       if (.not. allocated(command%job%scheduler)) then
          if (command%job%ranks > 0) call command_line_error(error, &
-            "--ranks needs --job; a run uses the ranks of mpirun")
+            "--ranks needs --job; a run uses the ranks of mpirun [C206]")
          if (command%job%threads > 0) call command_line_error(error, &
-            "--threads needs --job; a run uses OMP_NUM_THREADS")
+            "--threads needs --job; a run uses OMP_NUM_THREADS [C206]")
          if (command%job%nodes > 0) call command_line_error(error, &
-            "--nodes needs --job; a run uses the nodes of mpirun")
+            "--nodes needs --job; a run uses the nodes of mpirun [C206]")
          if (allocated(command%job%time)) call command_line_error(error, &
-            "--time needs --job; a run uses wall_limit of &time")
+            "--time needs --job; a run uses wall_limit of &time [C206]")
       else if (command%check .or. command%point .or. command%restart .or. &
          command%output%overwrite) then
          call command_line_error(error, &
             "--job excludes --check, --point, --restart and --overwrite; the script "// &
-            "starts a run or continues it and never removes results")
+            "starts a run or continues it and never removes results [C107]")
       else if (command%job%nodes > 0 .and. command%job%ranks > 0) then
          if (mod(command%job%ranks, command%job%nodes) > 0) call command_line_error(error, &
-            "--ranks must be a multiple of --nodes, so that each node has as many ranks")
+            "--ranks must be a multiple of --nodes, so that each node has as many ranks [C207]")
       end if
    end subroutine check_job
 

@@ -144,7 +144,7 @@ contains
          if (.not. any([(is_set(trim(job_variables(n))), n=1, size(job_variables))])) return
          call fail(error, exit_physics, loop%reason//" during the first step after a restart, "// &
             "so further jobs would do one step each: give the job more time, or raise "// &
-            "wall_limit of &time; then run it again")
+            "or raise wall_limit of &time; then run it again [R137]")
       end associate
    end subroutine require_progress
 

@@ -142,7 +142,7 @@ contains
             write (line, "(a,es10.3,a)") " and the next one would approach or separate by", &
                worst%strain, " of a cell"
          else
-            write (line, "(a,es10.3,a)") " would move by", worst%moved, " of a cell"
+            write (line, "(a,es10.3,a)") " would move by", worst%moved, " of a cell [R103]"
          end if
          text = text//trim(line)
       end if
