@@ -9,11 +9,10 @@
 #   scree_VERSION-1_ARCHITECTURE.deb  the program for Debian 12 (not with --no-deb)
 #   scree-manual-VERSION.tar.gz       the manual as a site (not with --no-site)
 #   recipes/                          for Spack, conda, container images
-#   scree-VERSION.cdx.json            parts, versions and licences (SBOM)
 #   SHA256SUMS                        checksums of all of them
 #
 # The version is that of project() in CMakeLists.txt. One commit gives the same bytes in any folder,
-# with the same compiler, libraries and Python packages. The SBOM needs build/bin/scree.
+# with the same compiler, libraries and Python packages.
 #
 # Exit codes: 0 made, 1 a step failed, 2 wrong option, 3 something is missing or not committed.
 set -euo pipefail
@@ -38,7 +37,6 @@ while (($# > 0)); do
 done
 [[ -n "${folder}" ]] || stop_with 2 "no folder; see --help"
 [[ -x "${python}" ]] || stop_with 3 "build/venv is missing; run scripts/setup.sh"
-[[ -x "${root}/build/bin/scree" ]] || stop_with 3 "build/bin/scree is missing; run scripts/build.sh"
 [[ -z "$(git -C "${root}" status --porcelain)" ]] || stop_with 3 "there are changes that are not \
 committed; commit or remove them"
 mkdir -p "${folder}"
@@ -82,7 +80,6 @@ fill_in "${scripts}/packages/conda/recipe.yaml.in" > "${folder}/recipes/conda/re
 cp "${scripts}/packages/conda/variants.yaml" "${folder}/recipes/conda"
 cp "${scripts}/packages/Containerfile" "${scripts}/packages/scree.def" "${folder}/recipes"
 
-"${python}" "${scripts}/packages/sbom.py" "${folder}/scree-${version}.cdx.json"
 (
    cd "${folder}"
    find . -type f ! -name SHA256SUMS -printf '%P\n' | LC_ALL=C sort | xargs -d '\n' sha256sum

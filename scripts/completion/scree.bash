@@ -18,14 +18,14 @@ _scree() {
          mapfile -t COMPREPLY < <(compgen -d -- "${word}")
          compopt -o filenames 2> /dev/null
          return ;;
-      --job) words="slurm pbs lsf flux" ;;
+      --job) words="slurm pbs" ;;
       --nodes) words="" ;;
       --ranks) words="" ;;
       --threads) words="" ;;
       --time) words="" ;;
       *)
          if [[ "${word}" == -* ]]; then
-            words="--check -n --no-estimate --preview -p --echo --set -s --unset --case -c --outdir -o --restart -r --overwrite --quiet -q --verbose -v --force --template --explain --point --grains --list --new --job --nodes --ranks --threads --time --digest --self-test --help -h --version -V"
+            words="--check -n --no-estimate --preview -p --echo --set -s --unset --case -c --outdir -o --restart -r --overwrite --quiet -q --force --template --explain --point --grains --list --new --job --nodes --ranks --threads --time --digest --self-test --help -h --version -V"
          else
             mapfile -t COMPREPLY < <(compgen -d -- "${word}"; compgen -f -X '!*.nml' -- "${word}"
                case "${before}" in -r | --restart | --digest) compgen -f -X '!*.h5' -- "${word}" ;; esac)

@@ -259,8 +259,6 @@ DECKS = {
              "&effects gravity = .true.  gravity_vector = 0 0 -9.81 /\n&time"),
     "D105": ("plain", "t_end = 1e-4", "t_end 1e-4", None),
     "D225": ("plain", "&run", "&run case = '" + 12 * "long_name_" + "' ", "&run case = 'name' "),
-    "D230": ("plain", "&time", "&parallel io_hints = 'cb_nodes' /\n&time",
-             "&parallel io_hints = 'cb_nodes=4' /\n&time"),
     "D349": ("plain", "young = 70e9  poisson = 0.3", "bulk = 58e9  elastic = 'none'  shear = 26e9",
              "bulk = 58e9  elastic = 'none'"),
     "D352": ("plain", "'metal' /", f"'metal' /\n{MODE} /\n&method split = .true. /", f"'metal' /\n{MODE} /"),

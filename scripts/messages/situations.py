@@ -151,15 +151,8 @@ FACETS = "\n".join(["solid stone", *(line for three in ("021", "013", "032", "12
     "facet normal 0 0 0", "outer loop",
     *("vertex " + ("0.2 0.2 0.2", "0.8 0.2 0.2", "0.2 0.8 0.2", "0.2 0.2 0.8")[int(k)] for k in three),
     "endloop", "endfacet"]), "endsolid stone", ""])
-SCAN = STONE.replace("shape = 'stl'  file = 'stone.stl'", "shape = 'voxel'  file = 'stone.mha'")
-IMAGE = """ObjectType = Image
-NDims = 3
-CompressedData = False
-ElementSpacing = 0.25 0.25 0.25
-DimSize = 4 4 4
-ElementType = MET_UCHAR
-ElementDataFile = LOCAL
-""" + 64 * "\x01"
+SCAN = STONE.replace("shape = 'stl'  file = 'stone.stl'",
+                     "shape = 'voxel'  file = 'first.hdf'  dataset = '/VTKHDF/Points'  voxel_value = 7")
 FURTHER = GRAINS.replace("grains.csv", "first.hdf").replace(
     "packing = 'file'", "packing = 'file'  initial_stress = 'file'")
 FIRST = GRAINS.replace("shape = 'points'  file = 'grains.csv'",
@@ -485,10 +478,8 @@ SITUATIONS = {
         "shows": "\n".join(FACETS.split("\n")[8:11]), "commands": [CHECK],
         "right": "\n".join(FACETS.split("\n")[-9:]), "right_files": {"scene.nml": STONE, "stone.stl": FACETS}},
     "F114": {
-        "files": {"scene.nml": SCAN, "stone.mha": IMAGE.replace("= False", "= True")},
-        "text": "The first lines of `stone.mha`:",
-        "shows": "\n".join(IMAGE.replace("= False", "= True").split("\n")[:3]), "commands": [CHECK],
-        "right": "\n".join(IMAGE.split("\n")[:3]), "right_files": {"scene.nml": SCAN, "stone.mha": IMAGE}},
+        "files": {"scene.nml": SCAN, "first.nml": FIRST}, "before": SNAPSHOT,
+        "text": "The file has positions of particles, not voxels:", "shows": SCAN.split("\n")[4], "commands": [CHECK]},
     "F115": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5")},
         "text": "The table `grains.csv`:", "shows": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5"),

@@ -4,16 +4,14 @@ module base_communicator
    use base_kinds, only: int64, wp
    use base_process, only: prefer_romio, private_memory
    use base_sort, only: sort_order
-   use base_text, only: text_t
    use mpi_f08, only: mpi_abort, mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_any_source, &
       mpi_barrier, mpi_bcast, mpi_character, mpi_comm, mpi_comm_dup, mpi_comm_free, mpi_comm_rank, &
       mpi_comm_set_errhandler, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
       mpi_errors_are_fatal, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
-      mpi_get_library_version, mpi_ibarrier, mpi_info, mpi_info_create, mpi_info_free, &
-      mpi_info_null, mpi_info_set, mpi_init_thread, mpi_initialized, mpi_integer8, mpi_iprobe, &
-      mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, mpi_recv, mpi_request, &
-      mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, mpi_testall, &
-      mpi_thread_funneled, mpi_wait
+      mpi_get_library_version, mpi_ibarrier, mpi_info_null, mpi_init_thread, mpi_initialized, &
+      mpi_integer8, mpi_iprobe, mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, &
+      mpi_recv, mpi_request, mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, &
+      mpi_test, mpi_testall, mpi_thread_funneled, mpi_wait
    implicit none
    private
 
@@ -39,7 +37,6 @@ module base_communicator
       integer :: rank = 0                             !! This rank, from 0
       integer :: size = 1                             !! Number of ranks
       type(mpi_comm), private :: handle = mpi_comm_world !! Communicator of MPI
-      type(mpi_info), private :: hints = mpi_info_null !! For files that all ranks write
       type(traffic_t) :: traffic = traffic_t()        !! Counts of messages
       integer(int64) :: memory = 0 !! Private memory just after MPI was started [byte]
       !> Numbers of collective calls and of the words of 8 bytes of their results; 0 or 1 in turn,
@@ -53,7 +50,6 @@ module base_communicator
       procedure :: release => communicator_release    !! Free that copy
       procedure :: finish => communicator_finish      !! Finish MPI
       procedure :: native => communicator_native      !! Handles for parallel HDF5
-      procedure :: set_hints => communicator_set_hints !! Hints for files of all ranks
       procedure :: counts => communicator_counts      !! Messages and collective calls so far
       procedure :: barrier => communicator_barrier    !! Barrier
       procedure :: meets => communicator_meets        !! Barrier that a failed rank can give up
@@ -126,7 +122,6 @@ contains
       self%size = 1
       if (associated(self%called)) deallocate (self%called)
       if (message_passing_has_ended()) return
-      if (self%hints%mpi_val /= mpi_info_null%mpi_val) call mpi_info_free(self%hints)
       if (self%handle%mpi_val /= mpi_comm_world%mpi_val) call mpi_comm_free(self%handle)
       self%handle = mpi_comm_world
    end subroutine communicator_release
@@ -152,30 +147,15 @@ contains
       if (.not. message_passing_has_ended()) call mpi_finalize()
    end subroutine communicator_finish
 
-   !> The handles of the group and of its hints, as integers, for parallel HDF5.
+   !> The handles of the group and of no hints, as integers, for parallel HDF5.
    pure subroutine communicator_native(self, group, hints)
       class(communicator_t), intent(in) :: self
       integer, intent(out) :: group                   !! Fortran handle of the communicator
       integer, intent(out) :: hints                   !! Fortran handle of the info object
 
       group = self%handle%mpi_val
-      hints = self%hints%mpi_val
+      hints = mpi_info_null%mpi_val
    end subroutine communicator_native
-
-   !> Set the hints for files that all ranks write, in place of earlier ones.
-   subroutine communicator_set_hints(self, names, values)
-      class(communicator_t), intent(inout) :: self
-      type(text_t), intent(in) :: names(:)            !! Names of hints
-      type(text_t), intent(in) :: values(:)           !! Value of each
-      integer :: n
-
-      if (self%hints%mpi_val /= mpi_info_null%mpi_val) call mpi_info_free(self%hints)
-      if (size(names) == 0) return
-      call mpi_info_create(self%hints)
-      do n = 1, size(names)
-         call mpi_info_set(self%hints, names(n)%text, values(n)%text)
-      end do
-   end subroutine communicator_set_hints
 
    !> Messages sent, their words, collective calls, and the words of their results, so far.
    pure function communicator_counts(self) result(counts)

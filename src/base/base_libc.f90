@@ -10,7 +10,7 @@ module base_libc
 
    public :: c_access, c_close, c_creat, c_dlsym, c_dup2, c_fallocate, c_fsync, c_getpid, c_kill, &
       c_lseek, c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, c_realpath, &
-      c_rename, c_rmdir, c_statfs, c_time, c_truncate, c_unlink, c_usleep, c_write, &
+      c_rename, c_rmdir, c_time, c_truncate, c_unlink, c_usleep, c_write, &
       clear_failure, failure_number, failure_text, folder_entries
 
    integer, parameter, public :: longest_name = 255              !! Longest file name
@@ -150,14 +150,6 @@ module base_libc
          character(kind=c_char), intent(in) :: new(*)     !! Null-terminated
          integer(c_int) :: status
       end function c_rename
-
-      function c_statfs(path, status) bind(c, name="statfs") result(failed)
-         import :: c_char, c_int, c_int64_t
-         implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
-         integer(c_int64_t), intent(inout) :: status(*)   !! 15 words; the first one is the type
-         integer(c_int) :: failed
-      end function c_statfs
 
       function c_unlink(path) bind(c, name="unlink") result(status)
          import :: c_char, c_int

@@ -7,10 +7,10 @@ module base_log
    implicit none
    private
 
-   public :: log_t, progress_heading, progress_line, progress_t
+   public :: duration, log_t, progress_heading, progress_line, progress_t
 
    !> Levels. A line is written if its level is not above that of the log.
-   integer, parameter, public :: log_error = 0, log_warn = 1, log_info = 2, log_debug = 3
+   integer, parameter, public :: log_error = 0, log_warn = 1, log_info = 2
    integer, parameter :: no_unit = 0                     !! No file is open
 
    !> A log. Before `open` lines go only to the screen.
@@ -27,7 +27,6 @@ module base_log
       procedure :: error => log_print_error              !! Errors
       procedure :: warn => log_print_warning             !! Warnings
       procedure :: info => log_print_info                !! Progress and results
-      procedure :: debug => log_print_debug              !! Details, never on the screen
       procedure :: close => log_close                    !! Close the file
    end type log_t
 
@@ -109,15 +108,6 @@ contains
       if (self%screen .and. .not. self%mute) call write_to_stream(output_unit, text)
       call write_to_file(self, text)
    end subroutine log_print_info
-
-   !> Write details, only to the file.
-   subroutine log_print_debug(self, text)
-      class(log_t), intent(inout) :: self
-      character(len=*), intent(in) :: text               !! One or more lines
-
-      if (.not. self%writes .or. self%level < log_debug) return
-      call write_to_file(self, text)
-   end subroutine log_print_debug
 
    !> Close the file.
    subroutine log_close(self)

@@ -1,17 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Reads voxels from files: a data set of HDF5, or MetaImage, which is a text header with raw bytes.
+!> Reads voxels from a data set of HDF5, in batches of layers.
 !!
-!! The result is a mask of the voxels with the selected value, one bit per voxel. HDF5 data sets are
-!! read in batches of layers.
+!! The result is a mask of the voxels with the selected value, one bit per voxel.
 module io_voxels
-   use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
-   use base_file, only: folder_of, join_path, read_file
    use base_kinds, only: int64, wp
-   use base_text, only: join, lower, number, shortened, split, text_t
+   use base_text, only: join, number, text_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_hdf5_read, only: hdf5_source_t
-   use, intrinsic :: iso_fortran_env, only: int16, int32, int8, real32, real64
    use particle_voxels, only: mark_voxel
    implicit none
    private
@@ -19,14 +15,7 @@ module io_voxels
    public :: read_voxels, voxel_file_t
 
    integer(int64), parameter :: batch = 16777216_int64   !! Voxels read at once, at least a layer
-   integer, parameter :: shown = 40                      !! Characters of a wrong line in a message
    integer, parameter :: most_seen = 8                   !! Values listed in a message
-
-   !> Types of voxels of MetaImage and their bytes.
-   character(len=10), parameter :: types(10) = [character(len=10) :: "MET_CHAR", "MET_UCHAR", &
-      "MET_SHORT", "MET_USHORT", "MET_INT", "MET_UINT", "MET_LONG", "MET_ULONG", "MET_FLOAT", &
-      "MET_DOUBLE"]
-   integer, parameter :: type_bytes(10) = [1, 1, 2, 2, 4, 4, 4, 4, 4, 8]
 
    !> Contents of a file of voxels, lengths in the unit of the file.
    type :: voxel_file_t
@@ -45,36 +34,19 @@ module io_voxels
       integer :: others = 0                              !! Number of other values
    end type marker_t
 
-   !> Header of a MetaImage.
-   type :: image_t
-      integer :: kind = 0                                !! Index in the list of types
-      integer(int64) :: skip = -1 !! Bytes before the voxels, -1: they end the file
-      logical :: high_first = .false.                    !! Big-endian?
-      character(len=:), allocatable :: data              !! File of the bytes, or LOCAL
-      integer(int64) :: data_start = 0                   !! Length of the header
-      logical :: sized = .false.                         !! Are the extents known?
-      real(wp), allocatable :: middle(:)                 !! Middle of the first voxel, if known
-   end type image_t
-
 contains
 
    !> Read a file and keep the voxels of one value.
    subroutine read_voxels(path, dataset, value, voxels, error)
-      character(len=*), intent(in) :: path               !! The file; .mhd and .mha are MetaImage
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: dataset            !! Name of the data set in HDF5
       integer, intent(in) :: value                       !! Selected value
       type(voxel_file_t), intent(out) :: voxels          !! Description of the data in the file
       type(error_t), allocatable, intent(out) :: error   !! Damaged, or without the value
       type(marker_t) :: marker
-      character(len=:), allocatable :: ending
 
       marker%value = value
-      ending = lower(path(max(len(path) - 3, 1):))
-      if (ending == ".mhd" .or. ending == ".mha") then
-         call read_image(path, marker, voxels, error)
-      else
-         call read_hdf5(path, dataset, marker, voxels, error)
-      end if
+      call read_hdf5(path, dataset, marker, voxels, error)
       if (allocated(error)) return
       if (.not. all(ieee_is_finite(voxels%edge)) .or. .not. all(ieee_is_finite(voxels%corner))) then
          call fail_reading(error, path, "its spacing or origin is not a number")
@@ -241,215 +213,4 @@ contains
          end do
       end do
    end subroutine read_layers
-
-   !> Voxels of a MetaImage.
-   subroutine read_image(path, marker, voxels, error)
-      character(len=*), intent(in) :: path               !! The file with the text
-      type(marker_t), intent(inout) :: marker
-      type(voxel_file_t), intent(inout) :: voxels
-      type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read
-      character(len=:), allocatable :: text
-      type(image_t) :: image
-      integer(int64) :: bytes, voxel, start
-
-      call read_file(path, text, error)
-      if (allocated(error)) return
-      call read_header(text, path, image, voxels, error)
-      if (allocated(error)) return
-      start = image%data_start
-      if (image%data /= "LOCAL") then
-         start = 0
-         if (index(image%data, "/") /= 1) image%data = join_path(folder_of(path), image%data)
-         call read_file(image%data, text, error)
-         if (allocated(error)) return
-      end if
-      bytes = type_bytes(image%kind)*product(int(voxels%extent, int64))
-      if (image%skip >= 0) start = start + image%skip
-      if (image%skip < 0) start = max(start, len(text, kind=int64) - bytes)
-      if (len(text, kind=int64) - start < bytes) then
-         call fail_reading(error, path, &
-            "its voxels need "//number(bytes)//" bytes, but there are "// &
-            number(max(len(text, kind=int64) - start, 0_int64))//"; it is truncated")
-         return
-      end if
-      call make_mask(path, voxels, error)
-      if (allocated(error)) return
-      do voxel = 0, product(int(voxels%extent, int64)) - 1
-         call test_voxel(marker, value_at(text, start + voxel*type_bytes(image%kind), image), &
-            voxel, &
-            voxels%mask)
-      end do
-   end subroutine read_image
-
-   !> Parse the header of a MetaImage.
-   subroutine read_header(text, path, image, voxels, error)
-      character(len=*), intent(in) :: text
-      character(len=*), intent(in) :: path               !! For messages
-      type(image_t), intent(inout) :: image
-      type(voxel_file_t), intent(inout) :: voxels        !! Extents, edges, corner
-      type(error_t), allocatable, intent(out) :: error   !! A line is wrong, or one is missing
-      integer, parameter :: longest = 4095               ! letters of a line
-      character(len=:), allocatable :: line
-      integer :: row
-      integer(int64) :: first, last
-      logical :: fits
-
-      image%data = ""
-      allocate (image%middle(0))
-      first = 1
-      row = 0
-      fits = .true.
-      do while (first <= len(text, kind=int64) .and. image%data == "" .and. fits)
-         last = first + index(text(first:min(first + longest, len(text, kind=int64)))// &
-            new_line("a"), new_line("a")) - 2
-         line = plain(text(first:last))
-         first = last + 2
-         row = row + 1
-         if (line /= "") call read_line(line, image, voxels, fits)
-      end do
-      image%data_start = first - 1
-      if (.not. fits) then
-         call fail_reading(error, path, "line "//number(row)//": cannot use '"// &
-            shortened(trim(line), shown)//"'; only uncompressed voxels of one number, "// &
-            "without rotation, are supported")
-      else if (image%kind == 0 .or. .not. image%sized .or. image%data == "") then
-         call fail_reading(error, path, "it lacks one of NDims, DimSize, ElementType, "// &
-            "ElementDataFile; is it a MetaImage?")
-      end if
-      if (allocated(error)) return
-      call spread_numbers(image%middle, voxels%dimensions, voxels%corner, fits)
-      ! positions in the header are middles of voxels
-      if (size(image%middle) > 0) voxels%corner = voxels%corner - 0.5_wp*voxels%edge
-   end subroutine read_header
-
-   !> Parse one line of the header. Lines that do not describe the shape are skipped.
-   subroutine read_line(line, image, voxels, fits)
-      character(len=*), intent(in) :: line
-      type(image_t), intent(inout) :: image
-      type(voxel_file_t), intent(inout) :: voxels        !! Extents, edges
-      logical, intent(out) :: fits                       !! Is the line supported?
-      character(len=:), allocatable :: value
-      real(wp), allocatable :: values(:)
-      integer :: equals
-
-      equals = index(line//"=", "=")
-      value = trim(adjustl(line(min(equals + 1, len(line) + 1):)))
-      fits = value /= ""
-      call numbers_of(value, values)
-      select case (trim(adjustl(line(:equals - 1))))
-      case ("NDims")
-         fits = value == "1" .or. value == "2" .or. value == "3"
-         if (fits) voxels%dimensions = int(values(1))
-      case ("DimSize")
-         fits = size(values) == voxels%dimensions .and. all(values >= 1.0_wp .and. &
-            values < 2.0e9_wp)
-         image%sized = fits
-         if (fits) voxels%extent = extent_in_space(nint(values))
-      case ("ElementSpacing", "ElementSize")
-         fits = size(values) == voxels%dimensions
-         if (fits) call spread_numbers(values, voxels%dimensions, voxels%edge, fits)
-      case ("Offset", "Origin", "Position")
-         image%middle = values
-         fits = size(values) == voxels%dimensions
-      case ("ElementType")
-         image%kind = size(types)
-         do while (image%kind > 0)
-            if (types(image%kind) == value) exit
-            image%kind = image%kind - 1
-         end do
-         fits = image%kind > 0
-      case ("HeaderSize")
-         fits = size(values) == 1
-         if (fits) image%skip = nint(values(1), int64)
-      case ("BinaryDataByteOrderMSB", "ElementByteOrderMSB")
-         image%high_first = lower(value) == "true"
-      case ("TransformMatrix", "Rotation", "Orientation")
-         fits = size(values) == voxels%dimensions**2
-         if (fits) fits = all(abs(values - identity(voxels%dimensions)) <= 0.0_wp)
-      case ("CompressedData")
-         fits = lower(value) == "false"
-      case ("ElementNumberOfChannels")
-         fits = value == "1"
-      case ("ElementDataFile")
-         image%data = value
-         fits = value /= "LIST"
-      case default
-         fits = equals <= len(line)
-      end select
-   end subroutine read_line
-
-   !> The numbers of a line; an empty list if it has anything else.
-   subroutine numbers_of(text, values)
-      character(len=*), intent(in) :: text               !! Numbers separated by blanks
-      real(wp), allocatable, intent(out) :: values(:)
-      type(text_t), allocatable :: words(:)
-      integer :: n
-      logical :: sound
-
-      call split(text, words)
-      allocate (values(size(words)))
-      values = 0.0_wp
-      do n = 1, size(words)
-         call file_number(words(n)%text, values(n), sound)
-         if (.not. sound) then
-            deallocate (values)
-            allocate (values(0))
-            return
-         end if
-      end do
-   end subroutine numbers_of
-
-   !> Identity matrix by rows: the orientation of a MetaImage that is not rotated.
-   pure function identity(dimensions) result(matrix)
-      integer, intent(in) :: dimensions                  !! Dimensions of the data
-      real(wp) :: matrix(dimensions**2)
-
-      matrix = 0.0_wp
-      matrix(1::dimensions + 1) = 1.0_wp
-   end function identity
-
-   !> A line without tabs and carriage returns.
-   pure function plain(line) result(clean)
-      character(len=*), intent(in) :: line               !! Value
-      character(len=len(line)) :: clean
-      integer :: n
-
-      do n = 1, len(line)
-         clean(n:n) = merge(" ", line(n:n), iachar(line(n:n)) < iachar(" "))
-      end do
-   end function plain
-
-   !> Convert bytes to a number.
-   pure real(wp) function value_at(text, before, image) result(value)
-      character(len=*), intent(in) :: text               !! Bytes
-      integer(int64), intent(in) :: before               !! Bytes before the number
-      type(image_t), intent(in) :: image
-      character(len=8) :: letters
-      integer :: bytes, n
-
-      bytes = type_bytes(image%kind)
-      do n = 1, bytes
-         associate (from => before + merge(bytes + 1 - n, n, image%high_first))
-            letters(n:n) = text(from:from)
-         end associate
-      end do
-      select case (types(image%kind))
-      case ("MET_CHAR")
-         value = real(transfer(letters(:1), 0_int8), wp)
-      case ("MET_UCHAR")
-         value = real(iachar(letters(:1)), wp)
-      case ("MET_SHORT")
-         value = real(transfer(letters(:2), 0_int16), wp)
-      case ("MET_USHORT")
-         value = real(iand(int(transfer(letters(:2), 0_int16), int32), 65535_int32), wp)
-      case ("MET_INT", "MET_LONG")
-         value = real(transfer(letters(:4), 0_int32), wp)
-      case ("MET_UINT", "MET_ULONG")
-         value = real(iand(int(transfer(letters(:4), 0_int32), int64), 4294967295_int64), wp)
-      case ("MET_FLOAT")
-         value = real(transfer(letters(:4), 0.0_real32), wp)
-      case default
-         value = real(transfer(letters, 0.0_real64), wp)
-      end select
-   end function value_at
 end module io_voxels

@@ -78,7 +78,7 @@ contains
       call schema%real("log", "progress_seconds", &
          "wall time between two progress lines, in seconds", default="10.0", range="> 0")
       call schema%text("log", "level", "level of the log file", default="info", &
-         words="error warn info debug")
+         words="error warn info")
       call schema%logical("log", "timing", "print a table of timings at the end", default=".true.")
       call schema%allow_change("log", "*", changes_nothing)
    end subroutine declare_log

@@ -44,7 +44,6 @@ module output_stream
       procedure :: offer_fragments => stream_offer_fragments !! Define the field `fragment`
       procedure :: take_fragments => stream_take_fragments !! Uses a given definition
       procedure :: full_snapshots => stream_full_snapshots !! Files with all particles
-      procedure :: ledger_rows => stream_ledger_rows !! Rows that evaluate the ledger
       procedure :: counters => stream_counters       !! State for a checkpoint
       procedure :: set_counters => stream_set_counters !! State from a checkpoint
       procedure :: save_table => stream_save_table   !! Content of a table for a checkpoint
@@ -212,15 +211,6 @@ contains
 
       number = 0.0_wp
    end function stream_full_snapshots
-
-   !> Expected number of rows with sums over all particles.
-   pure real(wp) function stream_ledger_rows(self, time_end, steps) result(number)
-      class(stream_t), intent(in) :: self
-      real(wp), intent(in) :: time_end               !! End of the run [s]
-      real(wp), intent(in) :: steps                  !! Expected number of steps
-
-      number = 0.0_wp
-   end function stream_ledger_rows
 
    !> State of the stream for a checkpoint.
    pure function stream_counters(self) result(counters)

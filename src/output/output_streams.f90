@@ -34,7 +34,6 @@ module output_streams
       procedure :: write_due => outputs_write_due    !! Write the streams that are due
       procedure :: has_series => outputs_has_series  !! Are there snapshots?
       procedure :: full_snapshots => outputs_full_snapshots !! Files with all particles
-      procedure :: ledger_rows => outputs_ledger_rows !! Rows that evaluate the ledger
       procedure :: list => outputs_list              !! Keys and files for the summary
       procedure :: close => outputs_close            !! Close files
       procedure :: save => outputs_save              !! Counters into a checkpoint
@@ -185,19 +184,6 @@ contains
          number = number + int(self%streams(n)%item%full_snapshots(time_end), int64)
       end do
    end function outputs_full_snapshots
-
-   !> Expected number of rows with sums over all particles.
-   pure real(wp) function outputs_ledger_rows(self, time_end, steps) result(rows)
-      class(outputs_t), intent(in) :: self
-      real(wp), intent(in) :: time_end               !! End of the run [s]
-      real(wp), intent(in) :: steps                  !! Expected number of steps
-      integer :: n
-
-      rows = 0.0_wp
-      do n = 1, size(self%streams)
-         rows = rows + self%streams(n)%item%ledger_rows(time_end, steps)
-      end do
-   end function outputs_ledger_rows
 
    !> Refuse streams that would exceed the limits on size or number of files.
    subroutine outputs_limit(self, deck, particles, time_end, steps)

@@ -71,7 +71,7 @@ contains
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%machine%timer%table(simulation%machine%communicator, &
          wall))
-      call log%info(steps_text(simulation, wall, nano*real(counts(4), wp), reason))
+      call log%info(steps_text(simulation, wall, nano*real(counts(4), wp)))
       call find_signal_limit(simulation, log, limit)
       call log%info(balance_text(now, rate, real(counts(2), wp)/max(wall, nano), bytes))
       call final_trust(simulation, code, now, trust)

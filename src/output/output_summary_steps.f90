@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Steps and times in the log and the summary.
 module output_summary_steps
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
    use base_text, only: number
    use io_summary, only: json_t
    use step_bounds, only: guard_t, rule_names, rules
@@ -13,20 +13,15 @@ module output_summary_steps
 
 contains
 
-   !> The number of steps, with the estimate if the run has reached its end time, the limits of the
-   !! steps, and the times spent.
-   function steps_text(simulation, wall, worked, reason) result(text)
+   !> The number of steps, their limits, and the times spent.
+   function steps_text(simulation, wall, worked) result(text)
       type(simulation_t), intent(in) :: simulation   !! The run at its end
       real(wp), intent(in) :: wall                   !! Wall time of the whole call [s]
       real(wp), intent(in) :: worked                 !! Processor time of the steps, all ranks [s]
-      character(len=*), intent(in) :: reason         !! Reason of the end
       character(len=:), allocatable :: text
       character(len=16) :: part(2)
 
-      text = "steps     "//number(simulation%clock%step)
-      if (reason == "t_end reached") text = text//" (estimate at the start "// &
-         number(nint(simulation%clock%guard%expected, int64))//")"
-      text = text//", "//rules_text(simulation%clock%guard)
+      text = "steps     "//number(simulation%clock%step)//", "//rules_text(simulation%clock%guard)
       write (part, "(f16.1)") wall, worked
       text = text//new_line("a")//"time      wall "//trim(adjustl(part(1)))// &
          " s with start and output, processor "//trim(adjustl(part(2)))// &
@@ -50,13 +45,12 @@ contains
       end do
    end function rules_text
 
-   !> The same for scripts: numbers of steps, and the one that was expected.
+   !> The same for scripts: the numbers of steps by their limits.
    subroutine add_rules(json, guard)
       type(json_t), intent(inout) :: json
       type(guard_t), intent(in) :: guard             !! With the counts
       integer :: rule
 
-      call json%add("steps_expected", nint(guard%expected, int64))
       call json%begin("steps_limited_by")
       do rule = 1, rules
          call json%add(trim(rule_names(rule)), guard%steps(rule))

@@ -30,7 +30,6 @@ module stream_history
       procedure :: always_named => history_always_named !! Name of a file of some particles
       procedure :: default_count => history_default_count !! Rows without &output
       procedure :: try_field => history_try_field    !! Check a name
-      procedure :: ledger_rows => history_ledger_rows !! For the time of a run
       procedure :: list_columns => history_list_columns !! Names of columns
       procedure :: write_rows => history_write_rows  !! Write a row
    end type stream_history_t
@@ -118,15 +117,6 @@ contains
       call choose_history([field], allocated(simulation%effects%exact), simulation%space%grid, &
          allocated(simulation%effects%gravity), columns, error)
    end subroutine history_try_field
-
-   !> Expected number of rows with sums over all particles.
-   pure real(wp) function history_ledger_rows(self, time_end, steps) result(number)
-      class(stream_history_t), intent(in) :: self
-      real(wp), intent(in) :: time_end               !! End of the run [s]
-      real(wp), intent(in) :: steps                  !! Expected number of steps
-
-      number = self%schedule%expected(time_end, steps)
-   end function history_ledger_rows
 
    !> Names of the columns with units.
    subroutine history_list_columns(self, columns)

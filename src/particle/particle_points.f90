@@ -33,7 +33,6 @@ module particle_points
    contains
       procedure :: numbers => points_numbers             !! Number of possible identities
       procedure :: collect => points_collect             !! The particles of a tile
-      procedure :: whole_volume => points_whole_volume   !! Volume of all
       procedure :: positions => points_positions               !! Positions of all
    end type points_t
 
@@ -145,13 +144,6 @@ contains
       volume = self%volume(first + 1:last)
       number = self%row(first + 1:last)
    end subroutine points_collect
-
-   !> Volume of all particles [m3].
-   pure real(wp) function points_whole_volume(self) result(volume)
-      class(points_t), intent(in) :: self
-
-      volume = sum(self%volume)
-   end function points_whole_volume
 
    !> Number of keys below a bound.
    pure integer function before(key, bound) result(number)

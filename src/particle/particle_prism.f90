@@ -16,8 +16,6 @@ module particle_prism
    contains
       procedure :: holds => prism_holds                  !! Is a point in local coordinates inside?
       procedure :: own_bounds => prism_own_bounds        !! A bounding box in local coordinates
-      procedure :: area => prism_area                    !! Area of the polygon in space
-      procedure :: height => prism_height                !! Length in space
    end type prism_t
 
 contains
@@ -80,20 +78,6 @@ contains
          end if
       end do
    end subroutine prism_own_bounds
-
-   !> Area of the polygon in space [m2].
-   pure real(wp) function prism_area(self) result(area)
-      class(prism_t), intent(in) :: self
-
-      area = polygon_area(self%corner)*self%growth()**2
-   end function prism_area
-
-   !> Length of the prism in space [m].
-   pure real(wp) function prism_height(self) result(height)
-      class(prism_t), intent(in) :: self
-
-      height = (self%span(2) - self%span(1))*self%growth()
-   end function prism_height
 
    !> Area of a polygon in either orientation [m2].
    pure real(wp) function polygon_area(corner) result(area)

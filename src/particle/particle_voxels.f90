@@ -20,7 +20,6 @@ module particle_voxels
    contains
       procedure :: holds => voxels_hold                  !! Is a point in local coordinates inside?
       procedure :: own_bounds => voxels_own_bounds       !! A bounding box in local coordinates
-      procedure :: edges => voxels_edges                 !! Edges of a voxel in space
    end type voxels_t
 
 contains
@@ -95,12 +94,4 @@ contains
       lo = 1.0_wp
       hi = -1.0_wp
    end subroutine voxels_own_bounds
-
-   !> Edges of a voxel in space [m].
-   pure function voxels_edges(self) result(edges)
-      class(voxels_t), intent(in) :: self
-      real(wp) :: edges(3)
-
-      edges = self%growth()*self%edge
-   end function voxels_edges
 end module particle_voxels

@@ -205,8 +205,6 @@ contains
          text = number(job%threads*(job%ranks/chunks_of(job)))
       case ("chunk_mb")
          text = number(job%megabytes*job%threads*(job%ranks/chunks_of(job)))
-      case ("rank_megabytes")
-         text = number(job%megabytes*job%threads)
       case ("thread_megabytes")
          text = number(job%megabytes)
       case ("again")
@@ -224,8 +222,6 @@ contains
          text = job%command
       case ("srun_mpi")
          text = srun_setting()
-      case ("mpirun")
-         text = launch_text(job%ranks)
       case ("bound_mpirun")
          text = launch_text(job%ranks, job%threads)
       case default
@@ -234,7 +230,7 @@ contains
    end function value_text
 
    !> Value of a name in a template that is a time. The signal comes `notice` before the end of the
-   !! job; a run inside of the job ends earlier by a fifth of it.
+   !! job.
    function time_text(name, job) result(text)
       character(len=*), intent(in) :: name           !! Without braces
       type(job_t), intent(in) :: job                 !! Values
@@ -245,18 +241,8 @@ contains
          text = job%time
       case ("clock_time")
          text = clock_text(job%seconds)
-      case ("seconds")
-         text = number(job%seconds)
-      case ("minutes")
-         text = number(max(job%seconds/60, 1))
       case ("notice")
          text = number(job%notice)
-      case ("notice_minutes")
-         text = number((job%notice + 59)/60)
-      case ("inner_seconds")
-         text = number(max(job%seconds - job%notice/5, 1))
-      case ("inner_notice")
-         text = number(job%notice - job%notice/5)
       case ("wall_limit")
          text = clock_text(job%seconds - job%notice)
       case default

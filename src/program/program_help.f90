@@ -27,7 +27,6 @@ contains
          newline// &
          "      --overwrite        remove the results of a previous run of this case"//newline// &
          "  -q, --quiet            print only warnings and errors"//newline// &
-         "  -v, --verbose          print details as well"//newline// &
          "      --force            override limits on particles, memory, output, dt_fixed"// &
          newline// &
          "      --template         print a deck with all keys and defaults"//newline// &

@@ -8,10 +8,8 @@ module run_cost_report
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
    use particle_joined, only: find_joined, joined_t
-   use run_bulk_modulus_advice, only: bulk_modulus_advice, locking_advice
-   use run_expected_steps, only: expected_steps, find_first_step, meetings_text
+   use run_expected_steps, only: expected_steps, find_first_step
    use run_limits, only: limits_t
-   use run_solid_volumes, only: solid_volumes_text
    use scene_contact, only: contact_text
    use scene_particles, only: survey_t
    use step_contact, only: dissipation_after_remap
@@ -24,7 +22,7 @@ module run_cost_report
    implicit none
    private
 
-   public :: checkpoint_bytes, cost_report, memory_bytes
+   public :: cost_report, memory_bytes
 
 contains
 
@@ -43,16 +41,13 @@ contains
       steps = expected_steps(simulation, bodies, limits)
       bytes = memory_bytes(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//particles_text(bodies, survey) &
-         //solid_volumes_text(simulation%space%grid, bodies, survey%body, survey%volume) &
          //fields_text(simulation, survey)
       if (allocated(simulation%effects%contact)) text = text//contact_text(simulation, bodies)
       text = text//joined_text(simulation, bodies)
-      text = text//meetings_text(simulation, bodies, limits%time_end)
+      text = text//sticking_text(simulation, bodies)
       text = text &
-         //"step       first dt "//four_digits(dt)//" s"//cause//"; about "// &
-         number(nint(steps, int64))//" steps"// &
-         new_line("a")//bulk_modulus_advice(simulation, bodies, limits)// &
-         locking_advice(simulation)// &
+         //"step       first dt "//four_digits(dt)//" s"//cause//"; "// &
+         number(nint(steps, int64))//" steps of this length"//new_line("a")// &
          "memory     "//size_text(bytes)//" for particle and node fields, total of all ranks"// &
          new_line("a")// &
          "output     "//number(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &
@@ -143,6 +138,32 @@ contains
          text = text//" unless &contact gives them separate velocity fields"//new_line("a")
       end do
    end function joined_text
+
+   !> Two bodies that move slowly against each other have one velocity field without contact, so
+   !! they stick where they meet. In an impact near the speed of sound this has little effect.
+   function sticking_text(simulation, bodies) result(text)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
+      character(len=:), allocatable :: text
+      real(wp), parameter :: slow = 0.5_wp           ! fraction of the speed of sound
+      real(wp) :: speed, sound
+      integer :: one, other
+
+      text = ""
+      if (allocated(simulation%effects%contact)) return
+      do other = 2, size(bodies)
+         do one = 1, other - 1
+            speed = norm2(bodies(one)%velocity - bodies(other)%velocity)
+            sound = min(simulation%materials(bodies(one)%store)%reference_speed(), &
+               simulation%materials(bodies(other)%store)%reference_speed())
+            if (.not. (speed > 0.0_wp .and. speed <= slow*sound)) cycle
+            text = "contact    '"//bodies(one)%name//"' and '"//bodies(other)%name// &
+               "' stick together if they meet; with &effects contact = .true. they can slide "// &
+               "and separate"//new_line("a")
+            return
+         end do
+      end do
+   end function sticking_text
 
    !> The fields of particles and their reasons, for each material.
    function fields_text(simulation, survey) result(text)

@@ -12,18 +12,17 @@ module run_launcher
 
 contains
 
-   !> The command before the program, with a blank at its end; empty in a build without MPI. With
-   !! `threads` it binds each rank to as many cores, otherwise the scheduler does.
+   !> The command before the program, with a blank at its end; empty in a build without MPI. It
+   !! binds each rank to as many cores as it has threads.
    function launch_text(ranks, threads) result(text)
       integer, intent(in) :: ranks                   !! Number of ranks
-      integer, intent(in), optional :: threads       !! Threads of each rank
+      integer, intent(in) :: threads                 !! Threads of each rank
       character(len=:), allocatable :: text
       character(len=:), allocatable :: version
 
       text = ""
       if (.not. has_ranks) return
       text = "mpirun -n "//number(ranks)//" "
-      if (.not. present(threads)) return
       version = message_passing_version()
       if (index(version, "Open MPI") > 0) then
          text = text//"--map-by slot:PE="//number(threads)//" --bind-to core "

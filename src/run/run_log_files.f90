@@ -5,7 +5,7 @@ module run_log_files
    use base_agreement, only: agree
    use base_error, only: error_t
    use base_file, only: make_folder, remove_file, write_file
-   use base_log, only: log_debug, log_error, log_info, log_t, log_warn
+   use base_log, only: log_error, log_info, log_t, log_warn
    use base_text, only: number
    use base_communicator, only: message_passing_version
    use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
@@ -13,7 +13,6 @@ module run_log_files
    use deck_reader, only: deck_t, group_t
    use omp_lib, only: omp_get_max_threads
    use run_cost_report, only: cost_report
-   use run_file_hints, only: set_file_hints
    use run_setup, only: run_setup_t
    use run_threads, only: threads_text
    use scene_effects, only: effects_text
@@ -31,19 +30,18 @@ contains
       integer, intent(in) :: most_threads            !! Threads of a rank that are available
       type(log_t), intent(inout) :: log              !! Opened
       type(error_t), allocatable, intent(out) :: error !! Folder or file cannot be written
-      character(len=:), allocatable :: hints, line, stem
+      character(len=:), allocatable :: line, stem
 
       associate (communicator => setup%simulation%machine%communicator, outputs => setup%outputs, &
          survey => setup%survey)
          if (communicator%rank == 0) call make_folder(outputs%folder, error)
          call agree(communicator, error)
          if (allocated(error)) return
-         call set_file_hints(setup, outputs%folder, hints)
          stem = outputs%folder//"/"//outputs%case
          ! a link of this name may lead to a file elsewhere, which must not change
          if (communicator%rank == 0) call remove_file(stem//".log")
-         call log%open(communicator%rank, stem//".log", log_level(setup%deck, &
-            setup%options%verbose), setup%options%quiet, error)
+         call log%open(communicator%rank, stem//".log", log_level(setup%deck), &
+            setup%options%quiet, error)
          call agree(communicator, error)
          if (allocated(error)) return
          call log%info(version_line())
@@ -54,7 +52,6 @@ contains
             int((survey%tiles + communicator%size - 1)/communicator%size), &
             survey%particles/communicator%size)
          if (len(line) > 0) call log%info(line)
-         if (len(hints) > 0) call log%info(hints)
          if (setup%deck%warnings() > 0) call log%warn(setup%deck%report())
          call log%info(effects_text(setup%schema, setup%deck)// &
             cost_report(setup%simulation, setup%bodies, survey, setup%limits, &
@@ -65,9 +62,8 @@ contains
    end subroutine open_log
 
    !> Greatest level of the lines in the log.
-   integer function log_level(deck, verbose) result(level)
+   integer function log_level(deck) result(level)
       type(deck_t), intent(in) :: deck
-      logical, intent(in) :: verbose                 !! From the command line
       type(group_t) :: group
       character(len=:), allocatable :: word
 
@@ -78,12 +74,9 @@ contains
          level = log_error
       case ("warn")
          level = log_warn
-      case ("debug")
-         level = log_debug
       case default
          level = log_info
       end select
-      if (verbose) level = log_debug
    end function log_level
 
    !> Versions of the program, the compiler and the message passing library, in one line.

@@ -22,11 +22,10 @@ module run_options
    end type option_t
 
    integer, parameter :: no_value = 0, a_value = 1, maybe_a_value = 2, a_file = 3 !! What one takes
-   type(option_t), parameter :: options_of_a_run(9) = [option_t("restart ", "r", &
+   type(option_t), parameter :: options_of_a_run(8) = [option_t("restart ", "r", &
       a_file), option_t("set     ", "s", a_value), option_t("unset   ", " ", a_value), &
       option_t("case    ", "c", a_value), option_t("outdir  ", "o", a_value), &
-      option_t("quiet   ", "q", no_value), option_t("verbose ", "v", no_value), &
-      option_t("force   ", " ", no_value), option_t("overwrite", " ", no_value)]
+      option_t("quiet   ", "q", no_value), option_t("force   ", " ", no_value), option_t("overwrite", " ", no_value)]
 
    !> Options of a run. Texts that were not given are not allocated.
    type :: run_options_t
@@ -39,7 +38,6 @@ module run_options
       character(len=:), allocatable :: folder            !! Replaces out/CASE
       logical :: overwrite = .false.                     !! Remove the results of a previous run
       logical :: quiet = .false.                         !! Print only warnings and errors
-      logical :: verbose = .false.                       !! Print details as well
       integer(int64) :: hash = 0                         !! Hash of all words but the deck
       logical :: lines = .false.                         !! May an argument have several lines?
    contains
@@ -115,9 +113,7 @@ contains
       class(run_options_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error   !! One of these
 
-      if (self%quiet .and. self%verbose) then
-         call option_error(error, "--quiet and --verbose exclude each other [C107]")
-      else if (self%overwrite .and. self%restart) then
+      if (self%overwrite .and. self%restart) then
          call option_error(error, "--overwrite and --restart exclude each other: a run either "// &
             "starts again or continues; give --outdir to continue in another folder [C107]")
       else if (.not. allocated(self%deck)) then
@@ -149,8 +145,6 @@ contains
          self%folder = value
       case ("quiet")
          self%quiet = .true.
-      case ("verbose")
-         self%verbose = .true.
       case ("force")
          self%force = .true.
       end select

@@ -11,7 +11,7 @@ module run_plausible
    use material_kinds, only: is_gas
    use material_type, only: material_t
    use particle_fill, only: body_t
-   use run_expected_steps, only: expected_steps, find_first_step
+   use run_expected_steps, only: find_first_step
    use run_limits, only: limits_t
    use step_simulation, only: simulation_t
    implicit none
@@ -242,7 +242,6 @@ contains
       call find_first_step(simulation, bodies, limits, dt, cause)
       if (.not. (dt > 0.0_wp .and. dt < huge(dt))) return
       time = deck%group("time", 1)
-      ! not of expected_steps, which has an upper bound
       steps = limits%time_end/dt
       if (steps < fewest) then
          ! a wrong modulus is reported already
@@ -259,7 +258,6 @@ contains
             "not advance; write an earlier t_end, or give max_steps or stop_when [D511]", "t_end")
          return
       end if
-      steps = expected_steps(simulation, bodies, limits)
       if (plausible .and. steps > most_steps) call deck%warn(time, "t_end = "// &
          brief(limits%time_end)//" s needs about "//number(nint(steps, int64))// &
          " steps, the first of "//brief(dt)// &

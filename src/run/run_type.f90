@@ -17,7 +17,6 @@ module run_type
    use output_walls, only: write_walls
    use run_binding, only: binding_warning
    use run_existing_results, only: lock_case, nothing_to_restart, protect_results
-   use run_expected_steps, only: expected_steps
    use run_log_files, only: open_log
    use run_restart, only: log_restart, restart_run
    use run_resume_command, only: resume_command
@@ -161,8 +160,6 @@ contains
       character(len=:), allocatable :: note, warning
       type(changes_t) :: changes
 
-      run%simulation%clock%guard%expected = expected_steps(run%simulation, run%bodies, &
-         run%limits)
       ! before the log is opened: a run that is refused changes no file of the previous one
       call lock_case(run, run%log, error)
       if (allocated(error)) return

@@ -550,7 +550,7 @@ COMMANDS = [
     (["-z"], "unknown option -z in '-z'"),
     (["-check"], "unknown option -check; did you mean --check?"),
     (["-restat"], "unknown option -e in '-restat'; did you mean --restart?"),
-    (["-qv"], "--quiet and --verbose exclude each other"),
+    (["-qv"], "unknown option -v in '-qv'"),
     (["--list", "material"], "not 'material'; did you mean materials?"),
     (["--restart"], "--check and --restart exclude each other"),
     (["--point"], "--point excludes --check and --restart"),

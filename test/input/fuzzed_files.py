@@ -23,12 +23,10 @@ DECK = """
   eos_model = 'table'  eos_table = 'states.txt'  table_temperature = 300 /
 &region name = 'text'  shape = 'stl'  file = 'text.stl'  translate = 0 0 0 /
 &region name = 'binary'  shape = 'stl'  file = 'binary.stl'  translate = 1 0 0 /
-&region name = 'image'  shape = 'voxel'  file = 'image.mha'  translate = 2 0 0 /
 &region name = 'points'  shape = 'points'  file = 'points.csv'  translate = 3 0 0 /
 &region name = 'gas'  shape = 'box'  lo = 4 0 0  hi = 5 1 1 /
 &body name = 'text'    region = 'text'    material = 'metal' /
 &body name = 'binary'  region = 'binary'  material = 'metal' /
-&body name = 'image'   region = 'image'   material = 'metal' /
 &body name = 'points'  region = 'points'  material = 'metal'  packing = 'file' /
 &body name = 'gas'     region = 'gas'     material = 'gas' /
 &boundary face = 'xhi'  type = 'velocity'  table = 'motion.csv' /
@@ -42,7 +40,6 @@ HDF5_DECK = """
 &material name = 'metal'  density = 1000  bulk = 1e9  shear = 5e8 /
 &region name = 'image'  shape = 'voxel'  file = 'image.h5' /
 &region name = 'points'  shape = 'points'  file = 'points.hdf'  translate = 1 0 0 /
-&body name = 'image'   region = 'image'   material = 'metal' /
 &body name = 'points'  region = 'points'  material = 'metal'  packing = 'file' /
 """
 HDF5_SOURCE = """
@@ -82,16 +79,12 @@ def binary_facets():
 def write_all(folder):
     """Write the deck and its files; their paths, the deck first."""
     folder.mkdir(parents=True, exist_ok=True)
-    voxels = np.ones((4, 4, 4), dtype="u1")
-    voxels[1:3, 1:3, 1:3] = 2
     axis = (np.arange(4) + 0.5) / 4
     points = "\n".join(["x, y, z, volume", *(f"{x}, {y}, {z}, 0.015625" for x in axis for y in axis for z in axis), ""])
     files = {
         "deck.nml": DECK.encode(),
         "text.stl": text_facets(),
         "binary.stl": binary_facets(),
-        "image.mha": (b"NDims = 3\nDimSize = 4 4 4\nElementSpacing = 0.25 0.25 0.25\nElementType = MET_UCHAR\n"
-                      b"ElementDataFile = LOCAL\n" + voxels.tobytes()),
         "points.csv": points.encode(),
         "gravity.csv": b"t, gx, gy, gz\n0, 1, 2, 3\n0.5, 0, 0, 1e-3\n1, 4, 5, 6\n",
         "motion.csv": b"t, vx, vy, vz\n0 1 2 3\n0.5 0 0 1e-3\n1 4 5 6\n",

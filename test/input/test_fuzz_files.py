@@ -6,7 +6,7 @@
 """Input files with random damage: a deck that names them is accepted, or refused with a message.
 
 Would catch a crash, a hang, a size in a file that is trusted without a check, and a file that is refused without a
-message: facets (text, binary), voxels (MetaImage, HDF5), points (text, snapshot), tables of gravity, motion and states,
+message: facets (text, binary), voxels, points (text, snapshot), tables of gravity, motion and states,
 and checkpoints. The tier long repeats this, and the damage to decks, in a build with sanitizers, which find reads and
 writes beyond an array that otherwise have no effect.
 """

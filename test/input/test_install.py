@@ -217,7 +217,7 @@ class TestInstall:
             (folder / name).touch()
         assert completed(prefix, "--che", folder=folder) == {"--check"}
         assert completed(prefix, "--list", "un") == {"units"}
-        assert completed(prefix, "--job", "") == {"slurm", "pbs", "lsf", "flux"}
+        assert completed(prefix, "--job", "") == {"slurm", "pbs"}
         assert "debris_cloud" in completed(prefix, "--new", "de")
         assert completed(prefix, "--explain", "grid.d") == {"grid.dx"}
         assert completed(prefix, "--set", "time.t_") == {"time.t_end"}

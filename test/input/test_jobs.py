@@ -26,35 +26,17 @@ DECK = """&run dimension = 'plane_strain'  case = 'block' /
 &body name = 'one'  region = 'ball'  material = 'metal'  velocity = 1 0 0 /
 """
 FINE = ("--set", "grid.dx=5e-4", "--unset", "time.dt_fixed")
-SCHEDULERS = ("slurm", "pbs", "lsf", "flux")
+SCHEDULERS = ("slurm", "pbs")
 SRUN = """#!/bin/bash
 if [ "$1" = --mpi=list ]; then echo 'MPI plugin types are: pmix none' >&2; exit; fi
 echo "srun $*" >> calls
-exec mpiexec -n "$SLURM_NTASKS" "$@"
-"""
-FLUX = """#!/bin/bash
-echo "flux $*" >> calls
-if [ "$1" != run ]; then exit; fi
-ranks="${2#--ntasks=}"
-while [[ "$1" != /* ]]; do shift; done
 echo $$ > launcher
-exec mpiexec -n "${ranks}" "$@"
-"""
-# LSF requeues a job whose exit code is one of those of -Q, in the order of arrival.
-BSUB = """#!/bin/bash
-again="$(sed -n 's/^#BSUB -Q //p' "$1")"
-while true; do
-   code=0
-   bash "$1" || code=$?
-   echo "bsub ${code}" >> calls
-   case " ${again} " in *" ${code} "*) ;; *) exit "${code}" ;; esac
-done
+exec mpiexec -n "$SLURM_NTASKS" "$@"
 """
 CALL = '#!/bin/bash\necho "{0} $*" >> calls\n'
 # Substitute for the launcher of the ranks: returns the next of a list of exit codes.
 CODES = """#!/bin/bash
 if [ "$1" = --mpi=list ]; then echo pmix; exit; fi
-if [ "$1" = --parent ]; then echo "{0} $*" >> calls; exit; fi
 read -r code < codes
 sed -i 1d codes
 exit "${{code}}"
@@ -69,8 +51,7 @@ class TestJobs:
     def made(self, options):
         self.folder = options.work / "a 'quoted' [one] $HOME `x` ö"
         (self.folder / "bin").mkdir(parents=True)
-        for name, text in [("srun", SRUN), ("flux", FLUX), ("bsub", BSUB), ("scontrol", CALL.format("scontrol")),
-                           ("qsub", CALL.format("qsub"))]:
+        for name, text in [("srun", SRUN), ("scontrol", CALL.format("scontrol")), ("qsub", CALL.format("qsub"))]:
             self.stand_in(name, text)
         (self.folder / "my deck.nml").write_text(DECK, encoding="utf-8")
 
@@ -178,24 +159,16 @@ class TestJobs:
     @pytest.mark.parametrize("scheduler", SCHEDULERS)
     def test_exit_codes(self, options, scheduler):
         """Exit code 75 resubmits the job, 0 and other codes do not, and the script ends with the code of the run."""
-        if scheduler in ("pbs", "lsf"):
+        if scheduler == "pbs":
             case.need_ranks(options.scree)    # without MPI there is no launcher before the program
-        text = self.script(options, "--job", scheduler, "--ranks", "2", "--threads", "1")
-        for name in ("srun", "mpirun", "flux"):
+        self.script(options, "--job", scheduler, "--ranks", "2", "--threads", "1")
+        for name in ("srun", "mpirun"):
             self.stand_in(name, CODES.format(name))
-        again = {"slurm": ["scontrol requeue 4711"], "pbs": ["qsub job.sh"], "lsf": [],
-                 "flux": ["flux --parent batch job.sh"]}[scheduler]
+        again = {"slurm": ["scontrol requeue 4711"], "pbs": ["qsub job.sh"]}[scheduler]
         for code in (75, 0, 3, 4, 1):
             (self.folder / "codes").write_text(f"{code}\n", encoding="utf-8")
             found, calls = self.execute(LATE, 2)
             assert (found, calls) == (code, again if code == 75 else []), self.said
-        if scheduler == "lsf":
-            assert "#BSUB -Q 75\n" in text
-            (self.folder / "codes").write_text("75\n75\n4\n", encoding="utf-8")
-            answer = subprocess.run(["bsub", "job.sh"], cwd=self.folder, env=self.environment, timeout=60)
-            assert answer.returncode == 4
-            calls = (self.folder / "calls").read_text(encoding="utf-8").split()
-            assert calls == ["bsub", "75", "bsub", "75", "bsub", "4"]
 
     @pytest.mark.parametrize("scheduler", SCHEDULERS)
     def test_shellcheck(self, options, scheduler):
@@ -207,33 +180,26 @@ class TestJobs:
         answer = subprocess.run(["shellcheck", "job.sh"], cwd=self.folder, text=True, capture_output=True)
         assert answer.returncode == 0, answer.stdout
 
-    @pytest.mark.parametrize("scheduler", ["lsf", "flux"])
-    def test_signal(self, options, scheduler):
-        """The warning signal, which LSF sends to all processes of the job and Flux to the ranks, makes the run write
-        its checkpoint and the job restart; the second part ends with the same bits as an uninterrupted run."""
+    def test_signal(self, options):
+        """The warning signal, which Slurm sends to the ranks, makes the run write its checkpoint and the job
+        restart; the second part ends with the same bits as an uninterrupted run."""
         case.need_ranks(options.scree)
         if not shutil.which("mpirun"):
             pytest.skip("there is no mpirun")
         with (self.folder / "my deck.nml").open("a", encoding="utf-8") as deck:
             deck.write("&output name = 'h'  kind = 'history'  every = 1 /\n")
-        text = self.script(options, "--job", scheduler, "--ranks", "2", "--threads", "1", "--time", "1:00:00",
+        text = self.script(options, "--job", "slurm", "--ranks", "2", "--threads", "1", "--time", "1:00:00",
                            "--unset", "time.wall_limit", "--set", "time.t_end=1")
-        for line in {"lsf": ("#BSUB -n 2", "#BSUB -W 60", "#BSUB -wa USR1", "#BSUB -wt 5"),
-                     "flux": ("#flux: --nslots=2", "#flux: --time-limit=3600s",
-                              "   --time-limit=3540s --signal=USR1@240s \\")}[scheduler]:
-            assert f"{line}\n" in text, line
         path = self.folder / "job.sh"
-        child = subprocess.Popen(["bash", "job.sh"], cwd=self.folder, env=self.environment, start_new_session=True,
+        child = subprocess.Popen(["bash", "job.sh"], cwd=self.folder, start_new_session=True,
+                                 env={**self.environment, "SLURM_NTASKS": "2", "SLURM_CPUS_PER_TASK": "1"},
                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         history = self.folder / "out/block/block_history.csv"
         end = time.monotonic() + 200
         while child.poll() is None and time.monotonic() < end and not (
                 history.is_file() and history.stat().st_size > 2000):
             time.sleep(0.02)
-        if scheduler == "lsf":
-            os.killpg(child.pid, signal.SIGUSR1)
-        else:
-            os.kill(int((self.folder / "launcher").read_text(encoding="utf-8")), signal.SIGUSR1)
+        os.kill(int((self.folder / "launcher").read_text(encoding="utf-8")), signal.SIGUSR1)
         said, _ = child.communicate(timeout=200)
         assert child.returncode == 75, said
         first = self.summary("out/block")["steps"]
@@ -275,29 +241,25 @@ class TestJobs:
         """Would catch ranks that are not spread over the nodes as requested, memory of one rank for a whole node, and a
         time in a form that the scheduler does not read. Lines for the partition and the account do nothing."""
         words = ("--nodes", "2", "--ranks", "6", "--threads", "4", "--time", "2-00:00:00")
-        slurm, pbs, lsf, flux = (self.script(options, "--job", name, *words) for name in SCHEDULERS)
+        slurm, pbs = (self.script(options, "--job", name, *words) for name in SCHEDULERS)
         for text, lines in (
                 (slurm, ("#SBATCH --nodes=2", "#SBATCH --ntasks=6", "#SBATCH --ntasks-per-node=3",
                          "#SBATCH --time=2-00:00:00", "##SBATCH --partition=NAME", "##SBATCH --account=NAME")),
-                (pbs, ("#PBS -l place=scatter", "#PBS -l walltime=48:00:00", "##PBS -q NAME", "##PBS -A NAME")),
-                (lsf, ("#BSUB -n 6", '#BSUB -R "span[ptile=3]"', "#BSUB -W 2880", "##BSUB -q NAME", "##BSUB -P NAME")),
-                (flux, ("#flux: --nodes=2", "#flux: --nslots=6", "#flux: --time-limit=172800s"))):
+                (pbs, ("#PBS -l place=scatter", "#PBS -l walltime=48:00:00", "##PBS -q NAME", "##PBS -A NAME"))):
             assert set(lines) <= set(text.splitlines()), text
             assert "{{" not in text
-        # Flux reads any line of punctuation and the word flux: as a directive
-        assert len(re.findall(r"^\W*flux:", flux, re.M)) == len(re.findall(r"^#flux: --[a-z-]+=\w+$", flux, re.M)) == 5
         chunk = re.search(r"^#PBS -l select=2:ncpus=12:mpiprocs=3:ompthreads=4:mem=(\d+)mb$", pbs, re.M)
         core = re.search(r"^#SBATCH --mem-per-cpu=(\d+)M$", slurm, re.M)
         assert abs(int(chunk[1]) - 12*int(core[1])) <= 12
         rounded = self.script(options, "--job", "slurm", "--nodes", "3")
         assert "#SBATCH --ntasks=3\n" in rounded and "#SBATCH --ntasks-per-node=1\n" in rounded
         alone = "".join(self.script(options, "--job", name) for name in SCHEDULERS)
-        assert not re.search(r"nodes|per-node|ptile|scatter", alone)
+        assert not re.search(r"nodes|per-node|scatter", alone)
 
     def test_refusals(self, options, sheet):
         """Would catch a number or word that is accepted with another meaning, and a job that no signal reaches."""
         for words, message in [
-                (["--job", "sge"], "--job knows slurm, pbs, lsf and flux, not 'sge'"),
+                (["--job", "sge"], "--job knows slurm and pbs, not 'sge'"),
                 (["--job", "slurm", "--ranks", "0"], "--ranks = '0' must be an integer above 0"),
                 (["--job", "slurm", "--threads", "two"], "--threads = 'two' must be an integer above 0"),
                 (["--job", "slurm", "--time", "4h"], "--time = '4h' must be hours, minutes and seconds"),

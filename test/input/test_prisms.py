@@ -55,9 +55,6 @@ class TestPrisms:
                 run = self.run_of(options, name, text(corners), packing="packing = 'cut'")
                 mass = run.snapshots()[-1][1].fields["mass"].sum() / 1000
                 assert abs(mass / area(HOOK) - 1) < 0.001
-        said = self.run_of(options, "told", text(HOOK), flags=("--check", "--no-estimate")).output
-        told = float(said.split("prism      one: it has ")[1].split()[0])
-        assert abs(told / area(HOOK) - 1.0) <= 0.5e-5
 
     def test_on_the_lattice(self, options):
         """Edges through lattice points: two halves of a rectangle together have all of its particles."""

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: full
-"""The files of a release: one version, the same bytes in two builds, all parts with a licence.
+"""The files of a release: one version, the same bytes in two builds.
 
 Would catch: a version that was increased in one file only, an archive with time stamps of files, a recipe without the
-checksum of the archive, a checksum that is missing, and a library or package that the program or the wheel needs and
-that the list of parts (SBOM) lacks.
+checksum of the archive, and a checksum that is missing.
 """
 
 import hashlib
-import json
 import os
 import re
 import shutil
@@ -61,8 +59,6 @@ def clone(file_options):
     (folder / "build/venv/bin").mkdir()
     (folder / "build/venv/bin/python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n', encoding="utf-8")
     (folder / "build/venv/bin/python").chmod(0o755)
-    (folder / "build/bin").mkdir()
-    shutil.copy(file_options.scree, folder / "build/bin/scree")
     return folder
 
 
@@ -83,7 +79,7 @@ class TestRelease:
         first, second = ({str(path.relative_to(folder)): checksum(path) for path in folder.rglob("*") if path.is_file()}
                          for folder in release)
         assert first == second
-        assert len(first) == 9, sorted(first)
+        assert len(first) == 8, sorted(first)
 
     def test_checksums(self, release):
         """All files are in SHA256SUMS, and in the recipes the checksum of the archive."""
@@ -116,46 +112,3 @@ class TestRelease:
         (clone / "new.txt").unlink()
         assert answer.returncode == 3
         assert "not committed" in answer.stderr
-
-
-class TestParts:
-    """The list of parts (SBOM)."""
-
-    @pytest.fixture(scope="class")
-    def parts(self, file_options):
-        """The list for the tested program."""
-        if not shutil.which("dpkg-query"):
-            pytest.skip("there is no dpkg")
-        path = file_options.work / "parts.json"
-        run(sys.executable, case.ROOT / "scripts/packages/sbom.py", "--scree", file_options.scree, path,
-            SOURCE_DATE_EPOCH="1700000000")
-        return json.loads(path.read_text(encoding="utf-8"))
-
-    def test_all_libraries(self, parts, options):
-        """Each library that the program needs belongs to a part with a licence."""
-        needed = re.findall(r"NEEDED +(\S+)", run("objdump", "-p", options.scree))
-        paths = dict(re.findall(r"^\s*(\S+) => (/\S+)", run("ldd", options.scree), re.M))
-        linked = {part["name"] for part in parts["components"]
-                  if part["properties"][0]["value"] == "linked" and part["licenses"][0]["expression"]}
-        assert len(needed) > 5
-        for name in needed:
-            owners = [answer.split(":")[0] for place in (paths[name], os.path.realpath(paths[name]))
-                      if (answer := subprocess.run(["dpkg", "-S", place], text=True, capture_output=True,
-                                                   check=False).stdout)]
-            assert set(owners) & linked, name
-
-    def test_all_packages(self, parts):
-        """Each package that the wheel needs is a part with a licence, and so is MathJax, which the manual contains."""
-        text = (case.ROOT / "python/pyproject.toml").read_text(encoding="utf-8")
-        needed = re.findall(r'^   "([\w-]+)', text.partition("dependencies = [")[2].partition("]")[0], re.M)
-        assert len(needed) > 5
-        found = {part["name"]: part for part in parts["components"] if "pypi" in part["purl"] or "npm" in part["purl"]}
-        assert {*needed, "mathjax", "mkdocs-material"} <= set(found)
-        assert all(part["licenses"][0]["expression"] for part in found.values())
-
-    def test_form(self, parts):
-        """The list follows the schema of CycloneDX."""
-        validation = pytest.importorskip("cyclonedx.validation.json", reason="cyclonedx-python-lib is not installed")
-        from cyclonedx.schema import SchemaVersion
-
-        assert validation.JsonStrictValidator(SchemaVersion.V1_5).validate_str(json.dumps(parts)) is None

@@ -8,7 +8,10 @@
 """
 
 import dataclasses
-import struct
+import io
+
+import h5py
+import numpy as np
 
 from chance import group
 
@@ -181,12 +184,14 @@ def stl(_chance, _dimension, half, files):
 def voxel(chance, _dimension, half, files):
     """Voxels of half a cell, with random holes."""
     number = [max(2, int(4 * edge)) for edge in half]
-    values = bytes(1 if chance.true(0.95) else 0 for _ in range(number[0] * number[1] * number[2]))
-    head = (f"NDims = 3\nDimSize = {number[0]} {number[1]} {number[2]}\nElementSpacing = 0.5 0.5 0.5\n"
-            f"Offset = {0.25 - 0.25 * number[0]} {0.25 - 0.25 * number[1]} {0.25 - 0.25 * number[2]}\n"
-            "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n")
-    files["body.mha"] = head.encode() + struct.pack(f"{len(values)}B", *values)
-    return [{"shape": "voxel", "file": "body.mha", "scale": 1.0}]
+    values = np.array([chance.true(0.95) for _ in range(number[0] * number[1] * number[2])], dtype="u1")
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        voxels = file.create_dataset("voxels", data=values.reshape(number[::-1]))
+        voxels.attrs["spacing"] = 0.5
+        voxels.attrs["origin"] = [-0.25 * edge for edge in number]
+    files["body.h5"] = content.getvalue()
+    return [{"shape": "voxel", "file": "body.h5", "scale": 1.0}]
 
 
 def points(chance, dimension, half, files):

@@ -41,7 +41,7 @@ def one(options, seed, keep=False):
         folder = options.work / f"s{seed}"
         if verdict.result in KEPT:
             for path in folder.iterdir():
-                if path.suffix not in (".nml", ".csv", ".mha", ".stl", ".json", ".log"):
+                if path.suffix not in (".nml", ".csv", ".h5", ".stl", ".json", ".log"):
                     path.unlink()
         else:
             shutil.rmtree(folder, ignore_errors=True)

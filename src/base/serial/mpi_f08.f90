@@ -12,7 +12,7 @@ module mpi_f08
    public :: mpi_abort, mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_barrier, mpi_bcast, &
       mpi_comm_dup, mpi_comm_free, mpi_comm_rank, mpi_comm_set_errhandler, mpi_comm_size, &
       mpi_comm_split, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
-      mpi_get_library_version, mpi_ibarrier, mpi_info_create, mpi_info_free, mpi_info_set, &
+      mpi_get_library_version, mpi_ibarrier, &
       mpi_init_thread, mpi_initialized, mpi_iprobe, mpi_issend, mpi_recv, mpi_test, mpi_testall, &
       mpi_wait
 
@@ -158,27 +158,6 @@ contains
       type(mpi_comm), intent(in) :: comm
       type(mpi_errhandler), intent(in) :: errhandler
    end subroutine mpi_comm_set_errhandler
-
-   !> Make a set of hints: nothing reads them.
-   subroutine mpi_info_create(info)
-      type(mpi_info), intent(out) :: info
-
-      info = mpi_info_null
-   end subroutine mpi_info_create
-
-   !> Add a hint: nothing reads it.
-   subroutine mpi_info_set(info, key, value)
-      type(mpi_info), intent(in) :: info
-      character(len=*), intent(in) :: key             !! Name
-      character(len=*), intent(in) :: value
-   end subroutine mpi_info_set
-
-   !> Free a set of hints: nothing is held.
-   subroutine mpi_info_free(info)
-      type(mpi_info), intent(inout) :: info
-
-      info = mpi_info_null
-   end subroutine mpi_info_free
 
    !> End the program. Never called with one rank.
    subroutine mpi_abort(comm, errorcode)

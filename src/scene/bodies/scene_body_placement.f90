@@ -13,7 +13,7 @@ module scene_body_placement
    implicit none
    private
 
-   public :: check_elastic, check_placement, check_size, count_samples
+   public :: check_elastic, check_placement, check_size
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
    real(wp), parameter :: most_tiles = 2.0e8_wp      !! Greatest number of tiles of a body

@@ -71,9 +71,9 @@ contains
          owner="shape = prism")
       call schema%real("region", "span(2)", "start and end of a prism along its axis; 3-D only", &
          unit="m", owner="shape = prism")
-      call schema%text("region", "file", "input file: of stl facets; of voxel HDF5 or "// &
-         "MetaImage (.mhd, .mha); of points CSV or a snapshot (.hdf, .h5); lengths in the unit "// &
-         "of the deck; path relative to the deck", owner="shape = stl voxel points")
+      call schema%text("region", "file", "input file: of stl facets; of voxel HDF5; of "// &
+         "points CSV or a snapshot (.hdf, .h5); lengths in the unit of the deck; path relative "// &
+         "to the deck", owner="shape = stl voxel points")
       call schema%real("region", "point_volume", "volume of each particle, if the file has none", &
          unit="m3", range="> 0", owner="shape = points")
       call schema%text("region", "from_body", &

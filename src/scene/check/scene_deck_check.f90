@@ -8,7 +8,6 @@ module scene_deck_check
    use scene_boundary, only: check_boundaries
    use scene_effects, only: check_effects
    use scene_grid, only: check_grid
-   use scene_parallel, only: check_parallel
    use scene_regions, only: check_regions
    use scene_run, only: check_case, set_output_units
    use scene_time, only: check_time
@@ -47,6 +46,5 @@ contains
       call check_regions(deck)
       call check_bodies(deck)
       call check_boundaries(deck)
-      call check_parallel(deck)
    end subroutine check_deck
 end module scene_deck_check

@@ -10,7 +10,7 @@ module scene_grid
    implicit none
    private
 
-   public :: check_grid, check_periodic, coarsen, declare_grid, read_grid, tile_edge
+   public :: check_grid, check_periodic, declare_grid, read_grid, tile_edge
 
    real(wp), parameter :: most_cells = 1.0e6_wp          !! Cells along one direction
    real(wp), parameter :: tolerance = 1.0e-9_wp          !! Relative error of a number of cells
@@ -177,22 +177,6 @@ contains
       if (grid%dimensions < 2 .and. .not. grid%upper(3) > grid%lower(3)) &
          grid%upper(3) = grid%lower(3) + 1.0_wp
    end subroutine read_grid
-
-   !> Enlarge the cells, and the grid by less than one of them to an integer number.
-   pure subroutine coarsen(grid, coarser)
-      type(grid_t), intent(inout) :: grid            !! Corners, spacing and dimensions are set
-      integer, intent(in) :: coarser                 !! Factor of the cell size
-      real(wp), parameter :: grain = 1.0e-6_wp       ! rounding of a number of cells
-      integer :: direction
-
-      grid%spacing = grid%spacing*real(coarser, wp)
-      do direction = 1, 3
-         if (direction == 2 .and. grid%dimensions < 3) cycle
-         if (direction == 3 .and. grid%dimensions < 2) cycle
-         grid%upper(direction) = grid%lower(direction) + grid%spacing &
-            *real(ceiling((grid%upper(direction) - grid%lower(direction))/grid%spacing - grain), wp)
-      end do
-   end subroutine coarsen
 
    !> Cells along the edge of a tile, 0 = automatic.
    integer function tile_edge(deck) result(edge)

@@ -15,7 +15,7 @@ module scene_setup
    use scene_detonation, only: read_detonations
    use scene_effects, only: read_effects
    use scene_exact, only: read_exact
-   use scene_grid, only: check_periodic, coarsen, read_grid, tile_edge
+   use scene_grid, only: check_periodic, read_grid, tile_edge
    use scene_inflow, only: read_inflows
    use scene_load, only: read_loads
    use scene_material, only: read_material
@@ -37,12 +37,11 @@ contains
    !! deck's list of problems. Parts that do not depend on them are built and checked nevertheless,
    !! so that one pass reports as many errors as possible: bodies are then allocated if their
    !! positions are valid, and stores if nothing that they depend on has an error.
-   subroutine set_up_scene(deck, simulation, bodies, shapes, coarser)
+   subroutine set_up_scene(deck, simulation, bodies, shapes)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       type(body_t), allocatable, intent(out) :: bodies(:) !! Simulation to build
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
-      integer, intent(in), optional :: coarser       !! Factor on the cell size of the deck
       integer :: n
 
       call read_materials(deck, simulation)
@@ -52,7 +51,6 @@ contains
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)
-      if (present(coarser)) call coarsen(simulation%space%grid, coarser)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then
@@ -93,7 +91,7 @@ contains
          simulation%body_names(n)%text = bodies(n)%name
       end do
       call make_stores(simulation, size(bodies) > 1)
-      if (.not. present(coarser)) call warn_without_effect(deck, simulation)
+      call warn_without_effect(deck, simulation)
    end subroutine set_up_scene
 
    !> Limit the artificial viscosity of all materials to jumps, if the method requests it.

@@ -43,7 +43,7 @@ contains
 
    !> Displacement of the nodes of a tile that its particles use. In most tiles the greatest
    !! velocity is so small that nodes need not be examined one by one; in tiles that move as rigid
-   !! bodies only displacements are examined. Equation (S.7) of doc/theory/time_step.md.
+   !! bodies only displacements are examined. Equation (S.4) of doc/theory/time_step.md.
    subroutine examine_tile(space, stores, method, guard, motion, tile, dt, reach)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)

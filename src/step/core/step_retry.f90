@@ -28,7 +28,7 @@ contains
 
    !> Find whether a node would move too far in the step, or two nodes of a cell too far apart. If
    !! so, restore the state before the nodes moved, so that the step can be repeated with a shorter
-   !! time step. Collective. Equation (S.7) of doc/theory/time_step.md.
+   !! time step. Collective. Equation (S.4) of doc/theory/time_step.md.
    subroutine check_node_displacement(simulation, dt, again, error)
       type(simulation_t), intent(inout) :: simulation !! State after the nodes have moved
       real(wp), intent(inout) :: dt                  !! Time step [s]

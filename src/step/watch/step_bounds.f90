@@ -52,7 +52,6 @@ module step_bounds
       integer(int64) :: steepest = huge(1_int64)     !! Identity of that particle if on this rank
       integer :: rule = rule_signal                  !! Limit of the next step
       integer(int64) :: steps(rules) = 0             !! Steps that each rule has limited
-      real(wp) :: expected = 0.0_wp                  !! Steps of the whole run, as estimated
       integer :: counted = rule_signal               !! Rule by which the current step was counted
    end type guard_t
 
