@@ -32,19 +32,18 @@ contains
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Wave speed: its square in
       integer, intent(in) :: first, last                   !! Particles of the range
-      real(wp) :: sound, damping, linear, quadratic
+      real(wp) :: sound, damping
       integer :: i, k
 
-      linear = viscosity%linear
-      quadratic = viscosity%quadratic
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          sound = sqrt(deformation%wave_speed(i))
          damping = max(-jump(i), 0.0_wp)*rate
          state%viscous_pressure(k) = state%mass(k)/state%volume(k)*damping &
-            *(quadratic*damping + linear*sound)
+            *(viscosity%quadratic*damping + viscosity%linear*sound)
          deformation%pressure(i) = deformation%pressure(i) + state%viscous_pressure(k)
-         damping = merge(linear*sound + 2.0_wp*quadratic*damping, 0.0_wp, damping > 0.0_wp)
+         damping = merge(viscosity%linear*sound + 2.0_wp*viscosity%quadratic*damping, 0.0_wp, &
+            damping > 0.0_wp)
          deformation%wave_speed(i) = damping + sqrt(damping**2 + deformation%wave_speed(i))
       end do
    end subroutine add_viscous_pressure

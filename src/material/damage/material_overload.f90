@@ -128,81 +128,84 @@ contains
       end do
    end subroutine overload_draw_strength
 
-   !> Growth of damage in a step whose load is known at its end. Equations (F.3) and (F.4).
+   !> Growth of damage in a step whose load is known at its end. Where a load is below 1, and was
+   !! below 1 before, an upper bound of it is sufficient: few particles are near their strength, and
+   !! only these need principal values. Equations (F.3) and (F.4).
    pure subroutine overload_update(self, state, deformation, first, last, dt)
       class(overload_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first, last                   !! Particles of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp) :: load, before, factor, greatest, least
       integer :: i, k
 
-      call bound_deviator(first, last, state%stress, deformation%damage%bound)
-      call find_loads(self, state, deformation, first, last)
-      associate (load => deformation%damage%load, damage => state%damage)
-         do i = 1, last - first + 1
-            k = first - 1 + i
-            if (allocated(state%brittle%overload)) then
-               if (load(i) > 1.0_wp .or. state%brittle%overload(k) > 0.0_wp) damage(k) = &
-                  min(1.0_wp, damage(k) + dt/self%delay &
-                  *mean_power(state%brittle%overload(k), load(i) - 1.0_wp, self%power))
-               state%brittle%overload(k) = load(i) - 1.0_wp
-            else if (load(i) >= 1.0_wp .and. self%delay > dt) then
-               damage(k) = min(1.0_wp, damage(k) + dt/self%delay)
-            else if (load(i) >= 1.0_wp) then
-               damage(k) = 1.0_wp
-            end if
-         end do
-      end associate
+      call bound_loads(self, state, deformation, first, last)
+      before = 0.0_wp
+      if (.not. allocated(state%brittle%overload)) then
+         if (count(deformation%damage%load(:last - first + 1) >= 1.0_wp) == 0) return
+      end if
+      factor = 1.0_wp
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         load = deformation%damage%load(i)
+         if (allocated(state%brittle%overload)) before = state%brittle%overload(k)
+         if (load >= 1.0_wp .or. before > 0.0_wp) then
+            if (allocated(self%weibull)) factor = state%brittle%scatter(k)
+            call find_extremes(state%stress, k, greatest, least)
+            load = max((greatest - deformation%pressure(i))/(self%strength*factor), &
+               0.5_wp*(greatest - least)/(self%crushing*factor))
+            if (self%limit > 0.0_wp) load = (0.5_wp*greatest/self%shear &
+               - deformation%pressure(i)/(3.0_wp*self%bulk))/(self%limit*factor)
+         end if
+         if (allocated(state%brittle%overload)) then
+            if (load > 1.0_wp .or. before > 0.0_wp) state%damage(k) = min(1.0_wp, &
+               state%damage(k) + dt/self%delay*mean_power(before, load - 1.0_wp, self%power))
+            state%brittle%overload(k) = load - 1.0_wp
+         else if (load >= 1.0_wp .and. self%delay > dt) then
+            state%damage(k) = min(1.0_wp, state%damage(k) + dt/self%delay)
+         else if (load >= 1.0_wp) then
+            state%damage(k) = 1.0_wp
+         end if
+      end do
    end subroutine overload_update
 
-   !> Loads of the particles. Where a load is below 1, and was below 1 before, an upper bound is
-   !! sufficient: few particles are near their strength, and only these need principal values.
-   !! Equation (F.3).
-   pure subroutine find_loads(model, state, deformation, first, last)
+   !> Upper bounds of the loads; of stresses the greater one of tension and shear.
+   pure subroutine bound_loads(model, state, deformation, first, last)
       class(overload_t), intent(in) :: model
       type(material_state_t), intent(in) :: state          !! State of the store
-      type(deformation_t), intent(inout) :: deformation    !! With bounds of the deviators
+      type(deformation_t), intent(inout) :: deformation    !! Gets the loads
       integer, intent(in) :: first, last                   !! Particles of the range
-      real(wp) :: greatest, least, factor
-      integer :: i, k
+      real(wp) :: strength, crushing, limit, shear, bulk, factor
+      integer :: i
 
-      associate (load => deformation%damage%load, bound => deformation%damage%bound, &
-         pressure => deformation%pressure)
-         if (model%limit > 0.0_wp .and. .not. model%bulk > 0.0_wp) then
-            ! A gas has no bulk modulus at rest and no elastic strain.
-            load(:last - first + 1) = 0.0_wp
-            return
-         end if
-         factor = 1.0_wp
-         do i = 1, last - first + 1
-            k = first - 1 + i
-            if (allocated(model%weibull)) factor = state%brittle%scatter(k)
-            load(i) = load_of(model, bound(i), bound(i), pressure(i), factor)
-            if (load(i) < 1.0_wp) then
-               if (.not. allocated(state%brittle%overload)) cycle
-               if (.not. state%brittle%overload(k) > 0.0_wp) cycle
-            end if
-            call find_extremes(state%stress, k, greatest, least)
-            load(i) = load_of(model, greatest, 0.5_wp*(greatest - least), pressure(i), factor)
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
+      deformation%damage%load(:last - first + 1) = 1.0_wp
+      if (allocated(model%weibull)) &
+         deformation%damage%load(:last - first + 1) = state%brittle%scatter(first:last)
+      strength = model%strength
+      crushing = model%crushing
+      limit = model%limit
+      shear = model%shear
+      bulk = model%bulk
+      if (limit > 0.0_wp .and. .not. bulk > 0.0_wp) then
+         ! A gas has no bulk modulus at rest and no elastic strain.
+         deformation%damage%load(:last - first + 1) = 0.0_wp
+      else if (limit > 0.0_wp) then
+         do concurrent (i=1:last - first + 1)
+            factor = deformation%damage%load(i)
+            deformation%damage%load(i) = (0.5_wp*deformation%damage%bound(i)/shear &
+               - deformation%pressure(i)/(3.0_wp*bulk))/(limit*factor)
          end do
-      end associate
-   end subroutine find_loads
-
-   !> Load over strength; of stresses the greater one of tension and shear.
-   pure real(wp) function load_of(model, greatest, shear, pressure, factor) result(load)
-      class(overload_t), intent(in) :: model
-      real(wp), intent(in) :: greatest               !! Greatest value of the deviator [Pa]
-      real(wp), intent(in) :: shear                  !! Half the difference of its values [Pa]
-      real(wp), intent(in) :: pressure               !! [Pa]
-      real(wp), intent(in) :: factor                 !! Random factor of the strength [1]
-
-      if (model%limit > 0.0_wp) then
-         load = (0.5_wp*greatest/model%shear - pressure/(3.0_wp*model%bulk))/(model%limit*factor)
       else
-         load = max((greatest - pressure)/(model%strength*factor), shear/(model%crushing*factor))
+         do concurrent (i=1:last - first + 1)
+            factor = deformation%damage%load(i)
+            deformation%damage%load(i) = max((deformation%damage%bound(i) &
+               - deformation%pressure(i))/(strength*factor), &
+               deformation%damage%bound(i)/(crushing*factor))
+         end do
       end if
-   end function load_of
+   end subroutine bound_loads
 
    !> Mean over a step of the power of an overload that changes linearly; negative
    !! values count as zero. Equation (F.4).

@@ -119,6 +119,7 @@ contains
       integer :: i, k
 
       call condense(self, state, deformation, first, last)
+      if (count(.not. state%energy(first:last) <= self%melt) == 0) return
       do i = 1, last - first + 1
          k = first - 1 + i
          if (state%energy(k) <= self%melt .or. state%mass(k) >= self%density*state%volume(k)) cycle

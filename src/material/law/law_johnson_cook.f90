@@ -122,8 +122,8 @@ contains
       power%rate_coefficient = self%rate_coefficient
       if (power%rate_coefficient > 0.0_wp) power%rest = dt*self%reference_rate
       do offset = 0, n - 1, most_lanes
-         call collect_lanes(offset, min(most_lanes, n - offset), &
-            deformation%strength%tangent, deformation, lanes)
+         call collect_lanes(offset, min(most_lanes, n - offset), deformation%strength%tangent, &
+            deformation, lanes)
          if (lanes%count == 0) cycle
          call fill_lanes(self, offset, first - 1 + offset, state, deformation, lanes)
          call solve_hardening(power, lanes)
@@ -146,9 +146,9 @@ contains
       do l = 1, lanes%count
          lanes%factor(l) = deformation%strength%homologous(offset + lanes%place(l))
          lanes%argument(l) = state%plastic_strain(before + lanes%place(l))
-         lanes%stiffness(l) = 3.0_wp*law%shear
-         lanes%greatest(l) = unbounded
       end do
+      lanes%stiffness(:lanes%count) = 3.0_wp*law%shear
+      lanes%greatest(:lanes%count) = unbounded
       ! A power of one changes no bit.
       if (allocated(law%range) .and. abs(law%softening_exponent - 1.0_wp) > 0.0_wp) &
          call take_fast_powers(lanes%count, law%softening_exponent, lanes%factor)

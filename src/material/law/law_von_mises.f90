@@ -73,9 +73,12 @@ contains
       count = last - first + 1
       call strain_trial(state, deformation, first, last)
       call equivalent_stress(state, deformation, first, last)
-      deformation%strength%tangent(:count) = self%yield
-      if (allocated(state%plastic_strain)) deformation%strength%tangent(:count) = self%yield &
-         + self%hardening*state%plastic_strain(first:last)
+      if (allocated(state%plastic_strain)) then
+         deformation%strength%tangent(:count) = self%yield &
+            + self%hardening*state%plastic_strain(first:last)
+      else
+         deformation%strength%tangent(:count) = self%yield
+      end if
       call return_radially(self%shear, self%hardening, state, deformation, first, last)
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = &
          state%plastic_strain(first:last) + deformation%plastic_increment(:count)

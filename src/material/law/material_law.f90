@@ -197,6 +197,7 @@ contains
       integer :: i, k
 
       shear = self%shear
+      if (.not. shear > 0.0_wp) return
       if (allocated(state%failed)) then
          do concurrent (i=1:last - first + 1)
             k = first - 1 + i
