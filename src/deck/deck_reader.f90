@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> An input deck, read against the schema with all its errors found in one pass.
 !!
-!! Usage: `read`, further checks with `add_error` and `warn`, then `verdict`.
+!! Usage: `read`, further checks with `add_error` and `warn`, then `verdict`. The type of its
+!! groups, `group_t`, is public here as well, because every module that reads a deck needs both.
 module deck_reader
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
@@ -23,7 +24,7 @@ module deck_reader
    implicit none
    private
 
-   public :: deck_t, group_t, unset_integer
+   public :: deck_t, group_t
 
    !> A deck.
    type :: deck_t

@@ -8,7 +8,7 @@ module io_series
    use base_error, only: error_t
    use base_file, only: join_path, list_folder, longest_name, name_of, write_file
    use base_number_text, only: real_text
-   use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
+   use io_hdf5_index, only: read_snapshot_info, snapshot_info_t, write_index
    use io_summary, only: json_quoted
    implicit none
    private
@@ -80,7 +80,7 @@ contains
             cycle
          if (.not. comes_before(join_path(series%folder, trim(names(index))), &
             series%path(next_number))) cycle
-         call read_snapshot(join_path(series%folder, trim(names(index))), info, error, &
+         call read_snapshot_info(join_path(series%folder, trim(names(index))), info, error, &
             series%of_grids)
          if (allocated(error)) then
             note = note//error%message//new_line("a")
@@ -121,7 +121,7 @@ contains
       integer :: count
 
       if (communicator%rank == 0) then
-         call read_snapshot(path, info, error, self%of_grids)
+         call read_snapshot_info(path, info, error, self%of_grids)
          if (.not. allocated(error)) then
             call append(self%steps, info)
             count = size(self%steps)

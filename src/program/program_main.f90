@@ -21,7 +21,7 @@ module program_main
    use run_cost_report, only: cost_report, memory_bytes
    use run_existing_results, only: existing_results_text
    use run_material_point, only: drive_point
-   use run_memory, only: end_without_memory, memory_suffices
+   use run_memory, only: memory_suffices
    use run_messages, only: add_codes, coded
    use run_session, only: advance_run, begin_run, end_run, limit_threads, session_t
    use run_setup, only: build_setup, declare_deck_keys, read_setup
@@ -32,7 +32,7 @@ module program_main
    implicit none
    private
 
-   public :: end_without_memory, run_program
+   public :: run_program
 
 contains
 

@@ -95,7 +95,7 @@ contains
 
    !> Digest of the present state. Collective.
    function digest_of(session) result(digest)
-      type(session_t), intent(inout) :: session      !! Not changed
+      type(session_t), intent(in) :: session
       character(len=16) :: digest
       type(state_t) :: state
 

@@ -12,7 +12,7 @@ module run_bulk_modulus_advice
    use material_kinds, only: may_lock
    use material_type, only: material_t
    use mesh_motion, only: motion_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use run_expected_steps, only: expected_steps
    use run_limits, only: limits_t
    use step_simulation, only: simulation_t

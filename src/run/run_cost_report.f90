@@ -6,7 +6,7 @@ module run_cost_report
    use base_text, only: brief, number, size_text
    use material_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use particle_joined, only: find_joined, joined_t
    use run_bulk_modulus_advice, only: bulk_modulus_advice, locking_advice
    use run_expected_steps, only: expected_steps, find_first_step, meetings_text

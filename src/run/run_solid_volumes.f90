@@ -4,9 +4,9 @@ module run_solid_volumes
    use base_kinds, only: int64, wp
    use base_text, only: brief, number
    use mesh_grid, only: grid_t
+   use particle_body, only: body_t
    use particle_disks, only: disks_t
    use particle_facets, only: facets_t
-   use particle_fill, only: body_t
    use particle_points, only: points_t
    use particle_prism, only: prism_t
    use particle_voxels, only: voxels_t

@@ -53,7 +53,7 @@ contains
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(gauge_t), intent(in) :: gauge                 !! Definition of the gauge
       real(wp), allocatable, intent(out) :: row(:)       !! (column)
       type(picks_t) :: picks(size(stores))
@@ -220,7 +220,7 @@ contains
    subroutine fit(communicator, active, stores, picks, weight, offset, means, row)
       type(communicator_t), intent(in) :: communicator
       logical, intent(in) :: active(3)                   !! (direction) Does the scene have it?
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       real(wp), intent(in) :: weight(:)                  !! (row)
       real(wp), intent(in) :: offset(:, :)               !! (3, row)
@@ -312,7 +312,7 @@ contains
    !> Mean position, number and means of the particles, weighted as in profiles. Collective.
    subroutine find_means(communicator, stores, picks, single, means, row)
       type(communicator_t), intent(in) :: communicator
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       logical, intent(in) :: single                      !! One particle: its values are not divided
       type(mean_t), intent(in) :: means(:)

@@ -9,6 +9,7 @@
 !!
 !! and the strength is (1 - D) intact + D fractured. Equation (F.12) of doc/theory/failure.md.
 module material_jh2
+   use base_constants, only: most_lanes
    use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
    use deck_group_values, only: group_t
@@ -109,7 +110,6 @@ contains
       real(wp), contiguous, intent(in) :: rate(:)        !! Equivalent, of strain (range) [1/s]
       real(wp), contiguous, intent(in) :: damage(:)      !! D (range) [1]
       real(wp), contiguous, intent(inout) :: stress(:)   !! (range) [Pa]
-      integer, parameter :: most_lanes = 64
       real(wp), dimension(most_lanes) :: factor, whole, broken
       real(wp) :: intact, fractured, most, least
       integer :: i, l, number, offset

@@ -9,8 +9,10 @@ module scene_method
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
    use scene_method_defaults, only: set_method_defaults, unseen_usual
+   use scene_dimension, only: is_axisymmetric, is_dual
    use step_method, only: method_t, position_of, stress_after, stress_names
-   use transfer_catalogue, only: basis_names, choose_velocity, velocity_names
+   use transfer_basis, only: basis_t
+   use transfer_catalogue, only: basis_names, choose_basis, choose_velocity, velocity_names
    use transfer_velocity, only: velocity_t
    implicit none
    private
@@ -133,15 +135,19 @@ contains
       logical, intent(in) :: some_gas                !! Is some material a gas or an explosive?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
+      class(basis_t), allocatable :: functions
+      logical :: linear
 
       call set_method_defaults(deck, stored, gases, some_gas)
-      group = deck%group("run", 1)
-      call group%get("method", word)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)
-      call method%choose(word == "ddmp", basis, quadrature)
-      if (method%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
+      call method%choose(is_dual(deck), basis, quadrature)
+      ! a quadrature may have replaced the functions of the method
+      call choose_basis(basis, functions)
+      linear = .false.
+      if (allocated(functions)) linear = functions%is_linear()
+      if (method%dual .and. .not. linear .and. group%valid(["basis"])) &
          call deck%add_error(group, &
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
       if (method%dual) call read_dual(method, deck, group)
@@ -153,7 +159,7 @@ contains
       call choose_velocity(word, method%transfer)
       if (.not. allocated(method%transfer)) call choose_velocity("flip", method%transfer)
       call method%transfer%read(deck, group)
-      if (.not. method%dual .and. basis == "linear") call warn_of_linear(method, deck, group, word)
+      if (linear .and. .not. method%dual) call warn_of_linear(method, deck, group, word)
       if (method%dual .and. method%stress == stress_after .and. method%transfer%affine() .and. &
          .not. method%transfer%turning()) call deck%warn(group, "transfer = '"//word//"' with "// &
          "stress_update = 'usl' gains energy without bound where bodies vibrate; remove "// &
@@ -216,8 +222,8 @@ contains
       call group%get("alpha", word)
       method%quadrature%alpha = max(position_of(word, alpha_names), 1)
       call group%get("quadrature", quadrature)
-      if (quadrature == "sub_points" .and. word /= "split") call deck%add_error(group, &
-         "quadrature = 'sub_points' needs alpha = 'split', whose means are products", "alpha")
+      if (method%quadrature%needs_split() .and. word /= "split") call deck%add_error(group, &
+         "quadrature = '"//quadrature//"' needs alpha = 'split', whose means are products", "alpha")
       call group%get("blend", word)
       method%quadrature%smooth = word == "smooth"
       call group%get("alpha_0", method%quadrature%alpha_centre)
@@ -234,12 +240,8 @@ contains
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group             !! &method
       character(len=*), intent(in) :: quadrature     !! Word of the rule
-      character(len=:), allocatable :: dimension
-      type(group_t) :: run
 
-      run = deck%group("run", 1)
-      call run%get("dimension", dimension)
-      if (dimension == "axisymmetric") call deck%add_error(group, "quadrature = '"//quadrature// &
+      if (is_axisymmetric(deck)) call deck%add_error(group, "quadrature = '"//quadrature// &
          "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point'", &
          "quadrature")
    end subroutine refuse_axis

@@ -10,8 +10,8 @@ module basis_linear
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
    use transfer_basis, only: basis_t
-   use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values, &
-      gather_vector
+   use transfer_gather, only: gather_gradient, gather_motion
+   use transfer_gather_values, only: gather_hoop, gather_values, gather_vector
    use transfer_hoop, only: gather_factored_hoop
    use transfer_scatter, only: scatter_values
    use transfer_scatter_affine, only: space_affine, space_turning
@@ -26,6 +26,8 @@ module basis_linear
    !> Linear shape functions. Each map has its own kernel.
    type, extends(basis_t) :: basis_linear_t
    contains
+      procedure :: is_linear => linear_is_linear
+      procedure :: suits_cell => linear_suits_cell
       procedure :: locate => linear_locate
       procedure :: scatter_values => linear_scatter_values
       procedure :: scatter_affine => linear_scatter_affine
@@ -40,6 +42,20 @@ module basis_linear
    end type basis_linear_t
 
 contains
+
+   !> These are the linear functions.
+   pure logical function linear_is_linear(self) result(yes)
+      class(basis_linear_t), intent(in) :: self
+
+      yes = .true.
+   end function linear_is_linear
+
+   !> Particles have no fields that follow the mesh.
+   pure logical function linear_suits_cell(self) result(yes)
+      class(basis_linear_t), intent(in) :: self
+
+      yes = .true.
+   end function linear_suits_cell
 
    !> Cells and local coordinates.
    pure subroutine linear_locate(self, grid, coordinate, store, tile, shape)

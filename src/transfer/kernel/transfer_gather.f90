@@ -10,12 +10,11 @@ module transfer_gather
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
    use transfer_gather_plane, only: dual_gradient_plane, gradient_plane, motion_plane
-   use transfer_gather_values, only: find_terms, gather_hoop, gather_values, gather_vector
+   use transfer_gather_values, only: find_terms
    implicit none
    private
 
-   public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_motion, gather_values, &
-      gather_vector
+   public :: gather_gradient, gather_dual_gradient, gather_motion
 
    integer, parameter :: tensor = 12                 !! Nine components and three unused elements
    integer, parameter :: one(3) = [3, 1, 1]          !! First of the other directions

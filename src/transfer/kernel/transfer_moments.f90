@@ -7,6 +7,7 @@
 !! the field for any positions of particles. Equation (Q.10) of doc/theory/quadratures.md.
 module transfer_moments
    use base_kinds, only: wp
+   use base_matrix, only: determinant
    use mesh_grid, only: grid_t, lane_bit, lanes
    implicit none
    private
@@ -127,13 +128,4 @@ contains
          slope(k) = determinant(changed)/whole
       end do
    end function cell_slope
-
-   !> Determinant of a matrix.
-   pure real(wp) function determinant(a) result(whole)
-      real(wp), intent(in) :: a(3, 3)                        !! Any matrix
-
-      whole = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
-         - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &
-         + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
-   end function determinant
 end module transfer_moments
