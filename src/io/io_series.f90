@@ -7,7 +7,7 @@ module io_series
    use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_file, only: join_path, list_folder, longest_name, name_of, write_file
-   use base_number_text, only: real_text
+   use base_text, only: exponent_text
    use io_hdf5_index, only: read_snapshot_info, snapshot_info_t, write_index
    use io_summary, only: json_quoted
    implicit none
@@ -180,7 +180,7 @@ contains
       do step = 1, size(steps)
          if (step > 1) text = text//","
          text = text//new_line("a")//"    {""name"": "//json_quoted(name_of(steps(step)%path))// &
-            ", ""time"": "//real_text(steps(step)%time)//"}"
+            ", ""time"": "//exponent_text(steps(step)%time)//"}"
       end do
       text = text//new_line("a")//"  ]"//new_line("a")//"}"//new_line("a")
    end function series_text
