@@ -66,6 +66,7 @@ module particle_store
       procedure :: walk => store_walk                 !! Pass each allocated field to a worker
       procedure :: show => store_show                 !! Pass each allocated field to a reader
       procedure :: words => store_words               !! Words of 8 bytes of a particle
+      procedure :: bytes => store_bytes               !! Bytes of a particle
       procedure :: layout => store_layout             !! Give each tile a new range
       procedure :: pack => store_pack                 !! Leave no spare capacity between tiles
       procedure :: fits => store_fits                 !! Do new counts fit into the arrays?
@@ -170,6 +171,13 @@ contains
       call self%show(counter)
       words = counter%words
    end function store_words
+
+   !> Bytes of a particle: all fields, and the index of its cell.
+   integer function store_bytes(self) result(bytes)
+      class(store_t), intent(in) :: self
+
+      bytes = 8*self%words() + storage_size(self%home)/8
+   end function store_bytes
 
    !> Give each tile a range with spare capacity for a new count, and move its particles there.
    subroutine store_layout(self, new_count)
