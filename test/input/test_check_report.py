@@ -81,9 +81,9 @@ def test_particles_and_mass(options, sheet, name):
 
 MEMORY = {
     "elastic": ("elastic = 'isotropic'  young = 70e9  poisson = 0.3", ""),
-    "shocks": ("young = 70e9  poisson = 0.3  eos_model = 'mie_gruneisen'  mg_c0 = 5000  mg_s = 1.3  mg_gamma0 = 2  "
-               "strength_model = 'johnson_cook'  jc_a = 1e8  jc_b = 1e8  jc_n = 0.5  jc_c = 0.01  jc_m = 1  "
-               "t_melt = 900  specific_heat = 900", "&effects thermal = T  damage = T / &method split = T /"),
+    "shocks": ("young = 70e9  poisson = 0.3  eos_model = 'mie_gruneisen'  mg_c0 = 5000  mg_s = 1.3  mg_gamma = 2  "
+               "strength_model = 'johnson_cook'  jc_a = 1e8  jc_b = 1e8  jc_n = 0.5  jc_c = 0.01  jc_m = 1  jc_rate = 1  "
+               "t_melt = 900  specific_heat = 900", "&effects thermal = T / &method split = T /"),
     "boxes": ("young = 70e9  poisson = 0.3", "&method basis = 'cpdi'  transfer = 'apic' /"),
 }
 
