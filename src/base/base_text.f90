@@ -316,7 +316,7 @@ contains
       text = tidied(exact_digits(value))
    end function number_of_real
 
-   !> The same digits in the form of tables and summaries: an exponent of three digits, as 1.25E+003.
+   !> The same digits in the form of tables and summaries: an exponent of three digits, 1.25E+003.
    pure function exponent_text(value) result(text)
       real(wp), intent(in) :: value                      !! Any number
       character(len=:), allocatable :: text

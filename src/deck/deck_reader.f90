@@ -42,6 +42,7 @@ module deck_reader
       procedure :: count => deck_count                   !! Number of groups of a kind
       procedure :: group => deck_group                   !! One group
       procedure :: departs => deck_departs               !! Is a key given, and not its default?
+      procedure :: unit => deck_unit                     !! Unit of SI of a key
       procedure :: named => deck_named                   !! Index of the group with a given name
       !> Record an error or a warning about a group, at the line of a key if it is given.
       generic :: add_error => report_group_error, report_place_error
@@ -329,6 +330,18 @@ contains
       end do
       text = text//echo(self%schema, self%groups, self%index)
    end function deck_echo
+
+   !> Unit of SI of a key, for messages.
+   pure function deck_unit(self, group, key) result(unit)
+      class(deck_t), intent(in) :: self
+      type(group_t), intent(in) :: group
+      character(len=*), intent(in) :: key
+      character(len=:), allocatable :: unit
+      integer :: rule
+
+      rule = self%schema%find(group%group)
+      unit = self%schema%groups(rule)%keys(self%schema%groups(rule)%find(key))%unit_text
+   end function deck_unit
 
    !> True if a key is given with a value other than its default. A key that has its default is not
    !! enough, because the echo of a deck can be run as a deck and gives all defaults.

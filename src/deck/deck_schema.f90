@@ -171,6 +171,7 @@ contains
       if (present(unit)) then
          key%unit_text = unit
          call unit_of(unit, key%unit, known)
+         if (.not. known) call record_mistake(self, "unit "//unit//" of "//name)
       end if
       call self%add(key, group, name, doc, default, owner=owner)
    end subroutine schema_text

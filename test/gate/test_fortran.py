@@ -9,6 +9,8 @@ documentation.
 import re
 import warnings
 
+from scree.units import parse
+
 from sources import ROOT, Module, code_of, lines_of, place, project_files
 
 FILE_LINES, PROCEDURE_LINES, ARGUMENTS = 500, 60, 8
@@ -53,6 +55,22 @@ def explains_itself(declaration):
     """True for a declaration of dummy arguments whose types and names are sufficient documentation."""
     names = re.findall(r"(\w+)(?:\([^()]*\))?", declaration.split("::")[1].lower())
     return bool(DERIVED.match(declaration)) or set(names) <= PLAIN_NAMES
+
+
+def units_in(text):
+    """Units in the declarations of keys and of fields of particles, and in derived columns."""
+    text = re.sub(r"&\s*\n\s*", "", text)
+    field = r"worker%(?:scalar|vector|whole)\(\"\w+\", *\"([^\"]*)\""
+    return [unit for pattern in (field, r"\bunit=\"([^\"]*)\"", r"%unit = \"([^\"]+)\"")
+            for unit in re.findall(pattern, text)]
+
+
+def test_units_are_known():
+    """Would catch a unit without powers: files would store zeros for it, and Python would not convert its numbers."""
+    units = {unit for path in SOURCES for unit in units_in(path.read_text(encoding="utf-8"))}
+    assert {"1", "kg", "m/s", "J/(kg K)", "N/m", "deg"} <= units
+    assert [unit for unit in sorted(units) if parse(unit) is None] == []
+    assert parse("furlong/s") is None
 
 
 def public_names():
