@@ -82,8 +82,9 @@ def test_particles_and_mass(options, sheet, name):
 MEMORY = {
     "elastic": ("elastic = 'isotropic'  young = 70e9  poisson = 0.3", ""),
     "shocks": ("young = 70e9  poisson = 0.3  eos_model = 'mie_gruneisen'  mg_c0 = 5000  mg_s = 1.3  mg_gamma = 2  "
-               "strength_model = 'johnson_cook'  jc_a = 1e8  jc_b = 1e8  jc_n = 0.5  jc_c = 0.01  jc_m = 1  jc_rate = 1  "
-               "t_melt = 900  specific_heat = 900", "&effects thermal = T / &method split = T /"),
+               "strength_model = 'johnson_cook'  jc_a = 1e8  jc_b = 1e8  jc_n = 0.5  jc_c = 0.01  jc_m = 1  "
+               "jc_rate = 1  t_melt = 900  specific_heat = 900",
+               "&effects thermal = T / &method split = T /"),
     "boxes": ("young = 70e9  poisson = 0.3", "&method basis = 'cpdi'  transfer = 'apic' /"),
 }
 
@@ -95,7 +96,8 @@ def test_forecast_of_memory(options, sheet, name):
     The forecast assumes spare capacity of 7 %; a run has between none and that.
     """
     material, more = MEMORY[name]
-    made = case.Case(options, f"memory_{name}", f"""&run dimension = '3d'  method = '{"mpm" if name == "boxes" else "ddmp"}' /
+    method = "mpm" if name == "boxes" else "ddmp"
+    made = case.Case(options, f"memory_{name}", f"""&run dimension = '3d'  method = '{method}' /
 &grid lo = 0 0 0  hi = 1 1 1  dx = 0.05 /
 &time t_end = 1  max_steps = 1 /
 &material name = 'metal'  density = 2700  {material} /
