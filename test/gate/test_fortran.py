@@ -10,7 +10,6 @@ import re
 import warnings
 
 from scree.units import parse
-
 from sources import ROOT, Module, code_of, lines_of, place, project_files
 
 FILE_LINES, PROCEDURE_LINES, ARGUMENTS = 500, 60, 8

@@ -25,6 +25,7 @@ contains
    subroutine declare_method(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       class(velocity_t), allocatable :: transfer
+      character(len=:), allocatable :: turning
       integer :: n
 
       call schema%group("method", "numerical method")
@@ -33,9 +34,11 @@ contains
       call schema%text("method", "transfer", "transfer of velocity between particles and "// &
          "nodes; default: rflip with ddmp, flip with mpm", default="rflip")
       call schema%words("method", "transfer", velocity_names)
+      turning = "transfer ="
       do n = 1, size(velocity_names)
          call choose_velocity(velocity_names(n), transfer)
          call transfer%declare(schema)
+         if (transfer%turning()) turning = turning//" "//trim(velocity_names(n))
       end do
       call schema%logical("method", "paper", &
          "use the scheme of LA-UR-11-06616 (2011); it fixes the other keys of the scheme", &
@@ -61,7 +64,7 @@ contains
          "strength that has an internal energy; fluids, in all material without strength; "// &
          "none; all; default: none where the quadrature of the dual gradient forbids it", &
          words="gases fluids none all", default="gases", owner="run.method = ddmp")
-      call declare_strain(schema)
+      call declare_strain(schema, turning)
       call schema%text("method", "antilock", "treatment of volumetric locking; bbar: the "// &
          "particles of a material in a cell have a common mean dilatation and pressure", &
          default="none", words="none bbar")
@@ -94,8 +97,9 @@ contains
    end subroutine declare_split
 
    !> Declare the keys of the strain update and of the rotation of particles.
-   subroutine declare_strain(schema)
+   subroutine declare_strain(schema, turning)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), intent(in) :: turning        !! Condition: particles carry a rotation
 
       call schema%text("method", "stress_update", "when the stress is updated: usl after the "// &
          "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
@@ -109,7 +113,7 @@ contains
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
          "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &
          "conserves the energy of thin bodies", default="point", words="point tiles", &
-         owner="transfer = rflip")
+         owner=turning)
    end subroutine declare_strain
 
    !> Declare the keys of artificial viscosity and heat flux that concern nodes.
