@@ -320,12 +320,18 @@ contains
    pure function exponent_text(value) result(text)
       real(wp), intent(in) :: value                      !! Any number
       character(len=:), allocatable :: text
+      character(len=32) :: line
       integer :: last, mark
 
-      text = trim(exact_digits(value))
-      mark = index(text, "E")
-      last = verify(text(:mark - 1), "0", back=.true.)
-      if (mark > 0) text = text(:merge(last + 1, last, text(last:last) == "."))//text(mark:)
+      line = exact_digits(value)
+      mark = index(line, "E")
+      if (mark == 0) then
+         write (line, "(g0)") value
+         text = trim(adjustl(line))
+         return
+      end if
+      last = verify(line(:mark - 1), "0", back=.true.)
+      text = line(:merge(last + 1, last, line(last:last) == "."))//trim(line(mark:))
    end function exponent_text
 
    !> Digits of a number that give the same bits when read back, with an exponent.
