@@ -50,7 +50,7 @@ contains
 
    !> Values of all columns but time and step. All are zero if there is no material. Collective.
    subroutine gauge_row(communicator, grid, coordinate, stores, gauge, row)
-      type(communicator_t), intent(inout) :: communicator
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
       type(store_t), intent(in) :: stores(:)             !! Particles
@@ -88,7 +88,7 @@ contains
    !> The selected particle that is nearest to the point of a gauge; of several the one with the
    !! least identity. Collective.
    subroutine find_nearest(communicator, grid, stores, gauge, distance)
-      type(communicator_t), intent(inout) :: communicator
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: stores(:)
       type(gauge_t), intent(inout) :: gauge              !! Gets the identity
@@ -139,7 +139,7 @@ contains
    !> Position where the beam hits the material: the greatest end of the selected particles along
    !! the beam. Collective.
    subroutine find_surface(communicator, grid, coordinate, stores, gauge, centre)
-      type(communicator_t), intent(inout) :: communicator
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
       type(store_t), intent(in) :: stores(:)
