@@ -50,7 +50,7 @@ contains
    !> Allocate an error that names a path and the system's reason.
    subroutine fail_path(error, action, path)
       type(error_t), allocatable, intent(out) :: error
-      character(len=*), intent(in) :: action             !! As in "cannot ACTION path"
+      character(len=*), intent(in) :: action             !! As in "cannot write [F103]"
       character(len=*), intent(in) :: path               !! File or folder
 
       call fail(error, exit_file, "cannot "//action//" '"//path//"': "//failure_text())
@@ -185,7 +185,7 @@ contains
          ! another program may have made it meanwhile; if not, the second attempt gives the reason
          if (file_exists(path(:last)//"/")) cycle
          if (c_mkdir(path(:last)//c_null_char, folder_mode) == 0) cycle
-         call fail_path(error, "make the folder", path(:last))
+         call fail_path(error, "cannot make the folder [F102]", path(:last))
          return
       end do
    end subroutine make_folder
@@ -207,7 +207,7 @@ contains
       if (c_associated(c_mkdtemp(c_loc(letters(1:1))))) then
          path = letters(:len(letters) - 1)
       else
-         call fail_path(error, "make the folder", path)
+         call fail_path(error, "cannot make the folder [F102]", path)
       end if
    end subroutine make_temporary_folder
 
@@ -228,7 +228,7 @@ contains
          if (failure_number() == is_folder) then
             call remove_folder(entry, error)
          else
-            call fail_path(error, "remove", entry)
+            call fail_path(error, "cannot remove [F103]", entry)
          end if
          if (allocated(error)) return
       end do
@@ -242,7 +242,7 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Cannot be renamed
 
       if (c_rename(old//c_null_char, new//c_null_char) /= 0) &
-         call fail_path(error, "rename '"//old//"' to", new)
+         call fail_path(error, "cannot rename '"//old//"' to [F103]", new)
    end subroutine rename_file
 
    !> Remove a file; a missing one is no error.
@@ -252,7 +252,7 @@ contains
 
       if (c_unlink(path//c_null_char) == 0) return
       if (failure_number() == not_there) return
-      if (present(error)) call fail_path(error, "remove", path)
+      if (present(error)) call fail_path(error, "cannot remove [F103]", path)
    end subroutine remove_file
 
    !> Truncate a file.
@@ -272,10 +272,10 @@ contains
 
       descriptor = c_open(path//c_null_char, read_only, file_mode)
       if (descriptor < 0) then
-         call fail_path(error, "open", path)
+         call fail_path(error, "cannot open [F103]", path)
          return
       end if
-      if (c_fsync(descriptor) /= 0) call fail_path(error, "write", path)
+      if (c_fsync(descriptor) /= 0) call fail_path(error, "cannot write [F103]", path)
       status = c_close(descriptor)
    end subroutine sync_file
 
@@ -308,7 +308,7 @@ contains
          descriptor = c_creat(path//c_null_char, file_mode)
       end if
       if (descriptor < 0) then
-         call fail_path(error, "write", path)
+         call fail_path(error, "cannot write [F103]", path)
          return
       end if
       if (c_fallocate(descriptor, 0_c_int, 0_int64, bytes) /= 0) then
@@ -331,7 +331,7 @@ contains
       logical :: readable
 
       call folder_entries(folder, prefix, suffix, names, readable)
-      if (.not. readable) call fail_path(error, "read the folder", folder)
+      if (.not. readable) call fail_path(error, "cannot read the folder [F104]", folder)
    end subroutine list_folder
 
    !> Write a file atomically: at any time either the old or the new one exists.
@@ -367,7 +367,7 @@ contains
       allocate (character(len=bytes) :: text)
       descriptor = c_open(path//c_null_char, read_only, file_mode)
       if (descriptor < 0) then
-         call fail_path(error, "read", path)
+         call fail_path(error, "cannot read [F106]", path)
          return
       end if
       done = 0
@@ -383,7 +383,7 @@ contains
          if (got <= 0) exit
          done = done + got
       end do
-      if (got < 0 .or. done < bytes) call fail_path(error, "read", path)
+      if (got < 0 .or. done < bytes) call fail_path(error, "cannot read [F106]", path)
       if (done < len(text)) text = text(:done)
       status = c_close(descriptor)
    end subroutine read_file
@@ -426,7 +426,7 @@ contains
       else
          self%descriptor = c_creat(path//c_null_char, file_mode)
       end if
-      if (self%descriptor < 0) call fail_path(error, "write", path)
+      if (self%descriptor < 0) call fail_path(error, "cannot write [F103]", path)
    end subroutine output_create
 
    !> Open an existing file to append to it.
@@ -438,7 +438,7 @@ contains
       call self%close()
       self%path = path
       self%descriptor = c_open(path//c_null_char, write_only + append_to, file_mode)
-      if (self%descriptor < 0) call fail_path(error, "write", path)
+      if (self%descriptor < 0) call fail_path(error, "cannot write [F103]", path)
    end subroutine output_append
 
    !> Write a text.
@@ -454,7 +454,7 @@ contains
       do while (done < len(text))
          got = c_write(self%descriptor, c_loc(letters(done + 1:done + 1)), len(text) - done)
          if (got <= 0) then
-            call fail_path(error, "write", self%path)
+            call fail_path(error, "cannot write [F103]", self%path)
             return
          end if
          done = done + got
@@ -466,7 +466,7 @@ contains
       class(output_file_t), intent(in) :: self
       type(error_t), allocatable, intent(out) :: error   !! Not all of it reached the disk
 
-      if (c_fsync(self%descriptor) /= 0) call fail_path(error, "write", self%path)
+      if (c_fsync(self%descriptor) /= 0) call fail_path(error, "cannot write [F103]", self%path)
    end subroutine output_sync
 
    !> Close the file, if it is open.

@@ -79,7 +79,7 @@ contains
          iomsg=reason)
       if (status == 0) return
       self%unit = no_unit
-      call fail(error, exit_file, "cannot write the log: "//trim(reason))
+      call fail(error, exit_file, "cannot write the log: "//trim(reason)//" [F103]")
    end subroutine log_open
 
    !> Write an error, also to the standard error stream, quiet or not.

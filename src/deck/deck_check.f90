@@ -86,7 +86,7 @@ contains
             call append(names, rule%keys(k)%name)
       end do
       if (size(names) > 0) call problems%error(deck_file, 0, "&"//rule%name// &
-         " is missing; it must give "//join(names, ", "))
+         " is missing; it must give "//join(names, ", ")//" [D303]")
    end subroutine check_absent
 
    !> Check one key of one group: does it apply, must it be given, is the name known?
@@ -111,7 +111,7 @@ contains
          if (.not. sure) return
          if (unused) then
             call problems%warning(value%file, value%line, label_of(group)//": "//key%name//" "// &
-               reason//"; it is ignored, as the command line turned it off")
+               without_code(reason)//"; it is ignored, as the command line turned it off [D304]")
          else if (value%given .and. reason /= "") then
             call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "// &
                reason)
@@ -119,7 +119,7 @@ contains
             ! an incomplete group or an unknown preset might have set it
             if (.not. group%broken .and. group%valid(["preset"])) call problems%error( &
                group%path, group%first_line, label_of(group)//": "//key%name// &
-               " must be given ("//key%doc//")")
+               " must be given ("//key%doc//") [D301]")
          else if (key%target /= "" .and. value%given .and. reason == "") then
             call check_references(schema, key, groups, index, which, value, problems)
          end if
@@ -203,9 +203,9 @@ contains
       if (owner%kind == kind_logical) then
          if (value%switches(1)) return
          if (same_group) then
-            reason = "given but "//owner%name//" = .false."
+            reason = "given but "//owner%name//" = .false. [D305]"
          else
-            reason = "needs "//place//owner%name//" = .true."
+            reason = "needs "//place//owner%name//" = .true. [D306]"
          end if
          return
       end if
@@ -215,9 +215,9 @@ contains
          if (condition%words(i)%text == word) return
       end do
       if (word == "") then
-         reason = "needs "//place//owner%name//" = '"//join(condition%words, "' or '")//"'"
+         reason = "needs "//place//owner%name//" = '"//join(condition%words, "' or '")//"' [D304]"
       else
-         reason = "given but "//place//owner%name//" = '"//word//"' does not use it"
+         reason = "given but "//place//owner%name//" = '"//word//"' does not use it [D304]"
       end if
    end subroutine compare
 
@@ -235,7 +235,7 @@ contains
          if (first == which) return
          call problems%error(group%file("name"), group%line("name"), label_of(group)// &
             ": the name is taken by the &"//group%group//" of "//groups(first)%path//":"// &
-            number(groups(first)%first_line))
+            number(groups(first)%first_line)//" [D116]")
       end associate
    end subroutine check_name
 

@@ -403,7 +403,7 @@ contains
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: what               !! Error message
 
-      if (.not. allocated(self%fault)) self%fault = "declaration of the deck: "//what
+      if (.not. allocated(self%fault)) self%fault = "declaration of the deck: "//what//" [R124]"
    end subroutine record_mistake
 
    !> Index of a group, 0 if there is none of that name.

@@ -121,20 +121,20 @@ contains
       call cell%get("volume_fraction", fraction)
       d = merge(2, 3, shape == "discs")
       if (packing == "triangular" .and. d == 3) call deck%add_error(cell, &
-         "a triangular lattice is of discs; use packing = 'fcc' for spheres", "packing")
+         "a triangular lattice is of discs; use packing = 'fcc' for spheres [D347]", "packing")
       if (packing == "fcc" .and. d == 2) call deck%add_error(cell, &
-         "an fcc lattice is of spheres; use packing = 'triangular' for discs", "packing")
+         "an fcc lattice is of spheres; use packing = 'triangular' for discs [D347]", "packing")
       if (law == "hertz" .and. d == 2) call deck%add_error(grains, &
-         "the law of Hertz is for spheres; for discs use law = 'linear'", "law")
+         "the law of Hertz is for spheres; for discs use law = 'linear' [D347]", "law")
       if (packing == "random" .and. grains%valid(["spread", "number"]) .and. &
          grains%given("number")) then
          reach = loosest(d, spread)
          if (cell%given("volume_fraction") .and. fraction > reach) call deck%add_error(cell, &
             "grains placed at random without overlap reach "//deck%shown(reach, "1")// &
-            "; begin there and compress in a first &stage with servo = 'isotropic'", &
+            "; begin there and compress in a first &stage with servo = 'isotropic' [D347]", &
             "volume_fraction")
          if (number < 4**d) call deck%add_error(grains, &
-            "a periodic cell needs four grains or more along each edge", "number")
+            "a periodic cell needs four grains or more along each edge [D347]", "number")
       end if
       if (packing /= "random" .and. cell%given("cells") .and. cell%valid(["cells"])) &
          call check_lattice(deck, cell, d)

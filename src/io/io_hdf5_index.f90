@@ -60,7 +60,7 @@ contains
       info%points = counts(1)
       if (info%points >= 0 .and. abs(info%time) <= huge(1.0_wp)) return
       call fail(error, exit_file, &
-         path//" is damaged: its time is not finite or its number of particles is negative")
+         path//" is damaged: its time is not finite or its number of particles is negative [F108]")
    end subroutine read_snapshot_info
 
    !> Write the index of a series. Fields that not all snapshots have are left out.

@@ -95,7 +95,7 @@ contains
       call keep_rows(path, text, heading, resume_step, self%wanted, kept, self%lost, matches)
       if (.not. matches) then
          call fail(error, exit_file, "'"//path//"' has other columns than this run; "// &
-            "rename it or choose another case name")
+            "rename it or choose another case name [F120]")
          return
       end if
       call add_to_mark(kept, self%mark)

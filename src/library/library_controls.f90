@@ -129,7 +129,7 @@ contains
       integer :: n
 
       if (.not. all(abs(values) <= huge(values))) then
-         call fail(error, exit_input, "a value of the control '"//name//"' is not finite")
+         call fail(error, exit_input, "a value of the control '"//name//"' is not finite [R128]")
          return
       end if
       associate (space => simulation%space, effects => simulation%effects, clock => &
@@ -200,6 +200,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       call fail(error, exit_input, "no control '"//name//"' in this simulation; only "// &
-         "boundaries that move, rigid regions, loads and constant gravity have one")
+         "boundaries that move, rigid regions, loads and constant gravity have one [R128]")
    end subroutine refuse
 end module library_controls

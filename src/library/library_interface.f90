@@ -183,7 +183,7 @@ contains
       call session%refuse_ended(error)
       if (.not. allocated(error)) then
          if (store < 0 .or. store >= size(session%simulation%stores)) then
-            call fail(error, exit_input, "no such particle store")
+            call fail(error, exit_input, "no such particle store [R128]")
          else
             call find_field(session%simulation%stores(store + 1), from_c(name), view)
             if (view%components == 0) call fail(error, exit_input, "no field '"//from_c(name)// &

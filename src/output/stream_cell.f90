@@ -58,7 +58,7 @@ contains
       type(named_shape_t), intent(in) :: shapes(:)   !! Unused
 
       if (.not. allocated(simulation%space%cell)) call deck%add_error(group, &
-         "kind = 'cell' needs &cell and &stage; add them or remove this &output", "kind")
+         "kind = 'cell' needs &cell and &stage; add them or remove this &output [D348]", "kind")
    end subroutine cell_read
 
    !> Names of the columns with units, as in the history of grains. Edges are upper triangular: a

@@ -95,7 +95,7 @@ contains
       if (size(wanted) + size(bodies) == 0) then
          wanted = known
          if (size(known) == 0) call deck%add_error(group, "there is no wall whose force could "// &
-            "be shown; add a &boundary, give contacts, or remove this output", "kind")
+            "be shown; add a &boundary, give contacts, or remove this output [D358]", "kind")
       end if
       allocate (self%name(0), self%kind(0), self%weight(number_of_rows(simulation), 0))
       do n = 1, size(wanted)
@@ -174,7 +174,7 @@ contains
                if (one == other) then
                   call deck%add_error(group, "'"//bodies(a)%text//"' and '"//bodies(b)%text// &
                      "' share a velocity field, so no contact force acts between them; give "// &
-                     "them different values of field in &body", "contacts")
+                     "them different values of field in &body [D368]", "contacts")
                else
                   call show(self, of_pair, bodies(a)%text//"_"//bodies(b)%text, &
                      weight_of_pair(simulation, one, other))

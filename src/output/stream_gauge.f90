@@ -130,14 +130,14 @@ contains
          if (group%given("depth")) call group%get("depth", gauge%depth)
          if (.not. group%given("point")) then
             call deck%add_error(group, "a gauge needs a point = x, y, z; or use gauge = "// &
-               "'mean' for means over bodies and region", "point")
+               "'mean' for means over bodies and region [D359]", "point")
             return
          end if
          if (.not. group%valid(["point"])) return
          call group%get("point", gauge%point)
          if (any(grid%active .and. (gauge%point < grid%lower .or. gauge%point > grid%upper))) &
             call deck%add_error(group, "the point lies outside of the grid, whose corners are "// &
-            corner(deck, grid%lower)//" and "//corner(deck, grid%upper), "point")
+            corner(deck, grid%lower)//" and "//corner(deck, grid%upper)//" [D409]", "point")
       end associate
    end subroutine read_place
 
@@ -162,7 +162,7 @@ contains
 
       if (.not. group%given("side")) then
          call deck%add_error(group, "a gauge of a surface needs the side from which the beam "// &
-            "comes, such as side = '+x'", "side")
+            "comes, such as side = '+x' [D359]", "side")
          return
       end if
       call group%get("side", word)

@@ -87,7 +87,7 @@ contains
          call group%get("bins", profile%bins)
          if (any(profile%means%weight == highest) .and. (profile%axis == 3 .or. &
             .not. grid%active(3))) call deck%add_error(group, "surface_height is a height "// &
-            "along z and needs bins along x or y in a scene that has a z", "fields")
+            "along z and needs bins along x or y in a scene that has a z [D434]", "fields")
       end associate
    end subroutine profile_read
 

@@ -129,7 +129,7 @@ contains
       if (len(notes) > 0) run%note = notes//new_line("a")//run%note
       if (run%path%now > size(run%path%stages)) then
          call fail(error, exit_input, run%note//": all stages of the deck are completed; add "// &
-            "a &stage to continue, or start again with --overwrite")
+            "a &stage to continue, or start again with --overwrite [R126]")
          return
       end if
       ! the gradient of the next step is known from the state, not from the deck
@@ -255,10 +255,10 @@ contains
       call run%cell%communicator%maxima(requests)
       if (requests(3) > 0.0_wp) then
          code = exit_again
-         run%reason = "wall_limit reached"
+         run%reason = "wall_limit reached [R120]"
       else if (requests(1) > 0.0_wp) then
          code = exit_again
-         run%reason = "signal "//signal_name(nint(requests(1)))
+         run%reason = "signal "//signal_name(nint(requests(1)))//" [R121]"
       else if (requests(2) > 0.0_wp) then
          call write_checkpoint(run, log, error)
       end if
@@ -274,7 +274,7 @@ contains
       associate (cell => run%cell)
          if (.not. all(ieee_is_finite(cell%contact + cell%kinetic))) then
             call fail(error, exit_physics, "the stress of the cell is not finite at step "// &
-               number(int(cell%step))//": use more steps_per_contact")
+               number(int(cell%step))//": use more steps_per_contact [R125]")
             return
          end if
          reach = 2.0_wp*maxval(cell%grains%radius) + cell%skin
@@ -291,7 +291,7 @@ contains
          if (overlap_max > deepest) call fail(error, exit_physics, &
             "grains overlap by more than "// &
             "a tenth of a diameter at step "//number(int(cell%step))//": the contacts are too "// &
-            "soft for this pressure; raise stiffness (or young) in &grains")
+            "soft for this pressure; raise stiffness (or young) in &grains [R125]")
       end associate
    end subroutine check_state
 

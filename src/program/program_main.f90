@@ -175,7 +175,7 @@ contains
       if (has_ranks) return
       if (ranks_of_launcher() == 1) return
       call fail(error, exit_input, "this scree was built without MPI, for one rank: start it "// &
-         "without mpirun or srun, with threads (OMP_NUM_THREADS), or use a build with MPI")
+         "without mpirun or srun, with threads (OMP_NUM_THREADS), or use a build with MPI [C117]")
    end subroutine check_launcher
 
    !> Print warnings, effects, costs and an estimate of the run time.

@@ -139,7 +139,7 @@ contains
 
       call deck%warn(group, key//" = "//brief(value)//" Pa is "//brief(value/bulk)// &
          " times the bulk modulus of "//brief(bulk)//" Pa"// &
-         meant(value, abs(value)/bulk/usual, "Pa"), key)
+         meant(value, abs(value)/bulk/usual, "Pa")//" [D508]", key)
    end subroutine warn_ratio
 
    !> Warn of a bulk modulus from an equation of state that gives no possible wave speed. Moduli
@@ -165,7 +165,7 @@ contains
       end do
       call deck%warn(group, key//": the bulk modulus of "//brief(material%bulk)// &
          " Pa with density = "//brief(material%density)//" kg/m3 gives a wave speed of "// &
-         brief(speed)//" m/s"//meant(material%bulk, (speed/usual_speed)**2, "Pa"), key)
+         brief(speed)//" m/s"//meant(material%bulk, (speed/usual_speed)**2, "Pa")//" [D503]", key)
    end subroutine check_wave
 
    !> Warn of a velocity far above the wave speed.
@@ -187,7 +187,7 @@ contains
          if (speed <= most_mach*wave) return
          call deck%warn(group, key//" = "//brief(speed)//" m/s is "//brief(speed/wave)// &
             " times the wave speed of the material, "//brief(wave)//" m/s"// &
-            meant(speed, speed/wave, "m/s"), key)
+            meant(speed, speed/wave, "m/s")//" [D509]", key)
       end associate
    end subroutine check_speed
 
@@ -206,7 +206,7 @@ contains
          if (strength <= most_gravity) return
          call deck%warn(effects, "gravity_vector = "//brief(strength)//" m/s2 is "// &
             brief(strength/standard)//" times that of the earth"// &
-            meant(strength, strength/standard, "m/s2"), "gravity_vector")
+            meant(strength, strength/standard, "m/s2")//" [D512]", "gravity_vector")
       end associate
    end subroutine check_gravity
 
@@ -248,7 +248,7 @@ contains
          ! a wrong modulus is reported already
          if (plausible) call deck%warn(time, "t_end = "//brief(limits%time_end)//" s is "// &
             brief(steps)//" times the first time step, "//brief(dt)//" s"//cause// &
-            ": the run makes next to no step; write a later t_end", "t_end")
+            ": the run makes next to no step; write a later t_end [D510]", "t_end")
          return
       end if
       call time%get("stop_when", word)
@@ -256,7 +256,7 @@ contains
       if (steps > countable) then
          call deck%add_error(time, "t_end = "//brief(limits%time_end)//" s is "//brief(steps)// &
             " times the first time step, "//brief(dt)//" s"//cause//", so that the time could "// &
-            "not advance; write an earlier t_end, or give max_steps or stop_when", "t_end")
+            "not advance; write an earlier t_end, or give max_steps or stop_when [D511]", "t_end")
          return
       end if
       steps = expected_steps(simulation, bodies, limits)

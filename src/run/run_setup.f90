@@ -106,7 +106,7 @@ contains
       extremes(2) = not(extremes(1))
       call setup%simulation%machine%communicator%least(extremes)
       if (extremes(1) /= not(extremes(2))) call fail(error, exit_input, "the ranks have "// &
-         "different decks, options or versions of scree; start all of them with one command")
+         "different decks, options or versions of scree; start all of them with one command [C118]")
    end subroutine check_ranks
 
    !> Build the simulation without particles, and check conditions that involve several groups of

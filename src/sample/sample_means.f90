@@ -104,7 +104,7 @@ contains
       end select
       if (.not. mean%column%is_real .and. mean%column%name /= "failed") then
          call fail(error, exit_input, "output field '"//trim(name)// &
-            "' is an identifier, which has no mean; remove it")
+            "' is an identifier, which has no mean; remove it [D436]")
          return
       end if
       call append(means, mean)

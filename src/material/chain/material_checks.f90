@@ -53,20 +53,20 @@ contains
          return
       end if
       if (young .and. .not. poisson) call deck%add_error(group, &
-         "poisson must be set (above -1, below 0.5), as young is given", "young")
+         "poisson must be set (above -1, below 0.5), as young is given [D302]", "young")
       if (poisson .and. .not. young) call deck%add_error(group, &
-         "young must be set [Pa], as poisson is given", "poisson")
+         "young must be set [Pa], as poisson is given [D302]", "poisson")
       if (derived .and. bulk) call deck%add_error(group, &
-         "bulk is not used, as the equation of state gives it; remove it", "bulk")
+         "bulk is not used, as the equation of state gives it; remove it [D349]", "bulk")
       if (shear .and. .not. strong) call deck%add_error(group, &
-         "shear is not used by a material without strength; remove it", "shear")
+         "shear is not used by a material without strength; remove it [D349]", "shear")
       if (derived .and. young .and. .not. strong) call deck%add_error(group, &
          "young and poisson are not used by a material without strength; remove them", "young")
       if (young .or. poisson) return
       if (.not. derived .and. .not. bulk) call deck%add_error(group, &
-         "bulk must be set [Pa], or young [Pa] and poisson")
+         "bulk must be set [Pa], or young [Pa] and poisson [D302]")
       if (strong .and. .not. shear) call deck%add_error(group, &
-         "shear must be set [Pa], or young [Pa] and poisson")
+         "shear must be set [Pa], or young [Pa] and poisson [D302]")
    end subroutine check_moduli
 
    !> Check that models are compatible with each other and with the effects.
@@ -82,7 +82,7 @@ contains
          if (len(fault) > 0) call deck%add_error(group, fault)
       end if
       if (.not. allocated(material%law) .and. .not. effects%eos) call deck%add_error(group, &
-         "a material without strength needs &effects eos = .true.")
+         "a material without strength needs &effects eos = .true. [D306]")
       if (allocated(material%law)) then
          fault = material%law%fault(group, material%eos)
          if (len(fault) > 0) call deck%add_error(group, fault)
@@ -96,7 +96,7 @@ contains
       end if
       if (allocated(material%law) .and. .not. effects%eos) then
          if (material%law%needs_eos()) call deck%add_error(group, &
-            "this strength_model needs &effects eos = .true.", "strength_model")
+            "this strength_model needs &effects eos = .true. [D306]", "strength_model")
       end if
    end subroutine check_models
 
@@ -115,7 +115,7 @@ contains
       if (allocated(material%law)) used = used .or. material%law%uses_jc_rate()
       if (allocated(material%damage)) used = used .or. material%damage%uses_jc_rate()
       if (.not. used) call deck%add_error(group, &
-         "jc_rate is given but no model of Johnson and Cook", "jc_rate")
+         "jc_rate is given but no model of Johnson and Cook [D309]", "jc_rate")
    end subroutine check_rate
 
    !> Check that melting material has a melting temperature.
@@ -128,15 +128,15 @@ contains
 
       if (material%is_gas_of_explosive()) then
          if (group%given("t_melt")) call deck%add_error(group, "t_melt is not used by "// &
-            "detonation products, which are a gas; remove it", "t_melt")
+            "detonation products, which are a gas; remove it [D320]", "t_melt")
       else if (group%given("t_melt")) then
          if (.not. (group%known("t_melt") .and. group%known("t_ref"))) return
          call group%get("t_melt", melting)
          call group%get("t_ref", reference)
          if (melting <= reference) &
-            call deck%add_error(group, "t_melt must be above t_ref", "t_melt")
+            call deck%add_error(group, "t_melt must be above t_ref [D308]", "t_melt")
       else if (effects%melting .or. needs_melting(material, group)) then
-         call deck%add_error(group, "t_melt must be set [K]")
+         call deck%add_error(group, "t_melt must be set [K] [D302]")
       end if
    end subroutine check_melting
 
@@ -150,11 +150,11 @@ contains
 
       if (.not. material%repacks) return
       if (effects%voids) call deck%add_error(group, "&effects voids computes the volumes too; "// &
-         "remove volume_from = 'grid' or voids", "volume_from")
+         "remove volume_from = 'grid' or voids [D350]", "volume_from")
       if (.not. group%given("cohesion")) return
       call group%get("cohesion", cohesion)
       if (cohesion > 0.0_wp) call deck%add_error(group, "volume_from = 'grid' is for grains "// &
-         "without cohesion; remove volume_from or cohesion", "volume_from")
+         "without cohesion; remove volume_from or cohesion [D317]", "volume_from")
    end subroutine check_packing
 
    !> Check that the failure model is compatible with the law and the effects.
@@ -179,12 +179,12 @@ contains
             "plastic flow", &
             "damage_model")
          if (.not. material%has_shear()) call deck%add_error(group, &
-            "damage_model needs a material with a shear modulus", "damage_model")
+            "damage_model needs a material with a shear modulus [D351]", "damage_model")
          fault = softening_fault(group, material%law)
          if (len(fault) > 0) call deck%add_error(group, fault)
       end if
       if (weibull .and. .not. group%given("weibull_m")) &
-         call deck%add_error(group, "weibull_m must be given")
+         call deck%add_error(group, "weibull_m must be given [D301]")
       if (group%given("weibull_m") .and. .not. (effects%size_scatter .or. weibull)) &
          call deck%add_error(group, "weibull_m needs &effects size_scatter = .true.", "weibull_m")
       fault = failed_law_fault(group, allocated(material%damage) .or. group%given("spall"), &
@@ -206,12 +206,12 @@ contains
       if (allocated(material%damage)) then
          if (material%law%is_plastic() .or. .not. material%damage%needs_flow()) &
             call deck%add_error(group, "damage_model is not used by strength_model = '"// &
-            strength//"'; remove it", "damage_model")
+            strength//"'; remove it [D349]", "damage_model")
       end if
       if (group%given("spall")) call deck%add_error(group, &
-         "spall is not used by strength_model = '"//strength//"'; remove it", "spall")
+         "spall is not used by strength_model = '"//strength//"'; remove it [D349]", "spall")
       if (group%given("t_melt")) call deck%add_error(group, "t_melt is not used by "// &
-         "strength_model = '"//strength//"', which does not melt; remove it", "t_melt")
+         "strength_model = '"//strength//"', which does not melt; remove it [D349]", "t_melt")
    end subroutine check_whole_stress
 
    !> True if strength or damage follows the temperature up to melting.

@@ -88,7 +88,7 @@ contains
       if (self%table%worst > most_inconsistent) doubt = "pressure and energy of the table '"// &
          path//"' are inconsistent: rho**2 de/drho and p - T dp/dT differ by "// &
          brief(self%table%worst)//" of the bulk modulus at "//brief(self%table%worst_density)// &
-         " kg/m3, "//brief(self%table%worst_temperature)//" K"
+         " kg/m3, "//brief(self%table%worst_temperature)//" K [F119]"
       if (.not. (group%known("density") .and. group%known("table_temperature"))) return
       call group%get("density", density)
       call group%get("table_temperature", temperature)
@@ -101,7 +101,7 @@ contains
             temperature > table%temperature(hottest)) then
             fault = "table_temperature = "//brief(temperature)//" K lies outside of the table '" &
                //path//"', which has "//brief(table%temperature(1))//" to "// &
-               brief(table%temperature(hottest))
+               brief(table%temperature(hottest))//" [F119]"
          end if
       end associate
    end subroutine table_take_file
@@ -271,7 +271,7 @@ contains
       call find_state(self, density, energy, pressure, square)
       if (.not. ieee_is_nan(pressure)) return
       associate (axis => self%table%density)
-         text = "it left its eos_table: density "//brief(density)//" kg/m3"
+         text = "it left its eos_table: density "//brief(density)//" kg/m3 [R104]"
          if (density < axis(1) .or. density > axis(size(axis))) then
             text = text//", which has "//brief(axis(1))//" to "//brief(axis(size(axis)))
          else

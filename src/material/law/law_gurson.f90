@@ -92,10 +92,10 @@ contains
       text = ""
       if (allocated(eos)) then
          if (eos%has_pores()) text = "strength_model = 'gurson' has pores of its own; choose "// &
-            "an eos_model without them"
+            "an eos_model without them [D439]"
       end if
       if (group%given("gtn_fc") .and. .not. group%given("gtn_ff")) text = &
-         "gtn_fc needs gtn_ff, the porosity without strength"
+         "gtn_fc needs gtn_ff, the porosity without strength [D439]"
       if (len(text) > 0 .or. .not. (group%known("gtn_f0") .and. group%known("gtn_q1"))) return
       call group%get("gtn_f0", start)
       call group%get("gtn_q1", q1)
@@ -110,7 +110,7 @@ contains
          if (.not. group%known("gtn_fc")) return
          call group%get("gtn_fc", critical)
          if (critical >= min(final, 1.0_wp/q1)) text = &
-            "gtn_fc must be below gtn_ff and below 1/gtn_q1"
+            "gtn_fc must be below gtn_ff and below 1/gtn_q1 [D439]"
       end if
       if (len(text) == 0 .and. start >= min(critical, 1.0_wp/q1)) text = &
          "gtn_f0 must be below gtn_fc, gtn_ff and 1/gtn_q1, otherwise the material has no strength"

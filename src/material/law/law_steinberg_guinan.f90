@@ -116,7 +116,7 @@ contains
       if (group%known("scg_y0") .and. group%known("scg_ymax")) then
          call group%get("scg_y0", number)
          call group%get("scg_ymax", other)
-         if (other < number) text = "scg_ymax must not be below scg_y0"
+         if (other < number) text = "scg_ymax must not be below scg_y0 [D363]"
       end if
    end function steinberg_guinan_fault
 

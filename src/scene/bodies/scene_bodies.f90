@@ -82,7 +82,7 @@ contains
       integer :: i
 
       if (deck%count("body") == 0) call deck%add_error("body", 1, &
-         "there is no body, so nothing to compute")
+         "there is no body, so nothing to compute [D403]")
       do i = 1, deck%count("body")
          call check_plane(deck, deck%group("body", i), "velocity")
          call check_plane(deck, deck%group("body", i), "direction")
@@ -102,15 +102,15 @@ contains
       if (.not. body%valid([character(len=9) :: "velocity", "speed", "direction"])) return
       if (body%given("speed") .neqv. body%given("direction")) then
          call deck%add_error(body, "speed and direction belong together; give both, or velocity", &
-            merge("speed    ", "direction", body%given("speed")))
+            "velocity [D205]", merge("speed    ", "direction", body%given("speed")))
       else if (body%given("speed")) then
          ! an echo of the deck contains the default, a velocity of zero
          call body%get("velocity", velocity)
          call body%get("direction", direction)
          if (any(abs(velocity) > 0.0_wp)) call deck%add_error(body, &
-            "speed and velocity are both given; keep one", "speed")
+            "speed and velocity are both given; keep one [D205]", "speed")
          if (.not. any(abs(direction) > 0.0_wp)) call deck%add_error(body, &
-            "direction must not be 0 in all components", "direction")
+            "direction must not be 0 in all components [D205]", "direction")
       end if
    end subroutine check_speed
 
@@ -129,7 +129,7 @@ contains
       if (dimension == "plane_strain") spin(2) = 0.0_wp
       if (any(abs(spin) > 0.0_wp)) call deck%add_error(body, &
          "spin leaves the plane of dimension = '"// &
-         dimension//"'; bodies rotate only in plane_strain, about y", "spin")
+         dimension//"'; bodies rotate only in plane_strain, about y [D333]", "spin")
    end subroutine check_spin
 
    !> The bodies.
@@ -222,7 +222,7 @@ contains
          if (packing == "file") call deck%add_error(group, "packing = 'file' needs a region of "// &
             "shape = 'points'", "packing")
          if (packing /= "file") call deck%add_error(group, "its region is a list of points; "// &
-            "write packing = 'file'", "packing")
+            "write packing = 'file' [D422]", "packing")
       else if (allocated(shape%points)) then
          call pack_points(deck, simulation%space%grid, simulation%space%boundary, group, &
             shape%points, body)
@@ -231,7 +231,7 @@ contains
             body%keeps_stress)
       else if (body%keeps_stress) then
          call deck%add_error(group, "initial_stress = 'file' needs packing = 'file' and a "// &
-            "snapshot of another run", "initial_stress")
+            "snapshot of another run [D356]", "initial_stress")
       end if
    end subroutine read_points
 
@@ -247,7 +247,7 @@ contains
       call group%get("specific_energy", body%energy)
       if (body%energy > 0.0_wp .and. .not. material%carries_energy()) call deck%add_error(group, &
          "material '"//material%name//"' has no internal energy; remove specific_energy, or "// &
-         "choose an eos_model that depends on the energy", "specific_energy")
+         "choose an eos_model that depends on the energy [D310]", "specific_energy")
       if (.not. allocated(material%heat)) return
       body%temperature = material%heat%reference
       if (group%given("temperature")) call group%get("temperature", body%temperature)
@@ -258,7 +258,7 @@ contains
       else if (abs(of_energy - body%temperature) > difference*body%temperature) then
          call deck%warn(group, "specific_energy sets the pressure and belongs to "// &
             brief(of_energy)//" K, not to temperature = "//brief(body%temperature)// &
-            " K; remove one of the two", "temperature")
+            " K; remove one of the two [D450]", "temperature")
       end if
    end subroutine read_heat
 end module scene_bodies

@@ -51,11 +51,11 @@ contains
             return
          else if (tiles > most_tiles) then
             call deck%add_error("body", n, "its region reaches "//brief(tiles)// &
-               " tiles, more than "//brief(most_tiles)//"; use larger cells", "region")
+               " tiles, more than "//brief(most_tiles)//"; use larger cells [D429]", "region")
          else if (points > most_points .and. .not. force) then
             call deck%add_error("body", n, "would hold up to "//brief(points)// &
                " points, more than "//brief(most_points)//"; use larger cells or fewer ppc, "// &
-               "or continue with --force", "ppc")
+               "or continue with --force [D428]", "ppc")
          end if
       end do
    end subroutine check_size
@@ -145,7 +145,7 @@ contains
       call body%shape%bounds(low, high)
       if (any(grid%active .and. (high <= grid%lower .or. low >= grid%upper))) then
          call deck%add_error("body", place, "lies outside of the grid; "// &
-            "move its region or widen &grid", "region")
+            "move its region or widen &grid [D409]", "region")
       else
          call deck%add_error("body", place, "holds no particle: its region "// &
             "is thinner than the lattice of dx/ppc, empty, or covered by later bodies", "region")
@@ -174,7 +174,7 @@ contains
       end associate
       if (outside == 0 .or. 100*outside < inside + outside) return
       call deck%warn("body", place, "its region lies "//number(nint(100.0_wp*real(outside, wp) &
-         /real(inside + outside, wp)))//" % outside the grid and is cut there", "region")
+         /real(inside + outside, wp)))//" % outside the grid and is cut there [D424]", "region")
    end subroutine check_outside
 
    !> Sample a box around a body: points of the body inside and outside the grid.

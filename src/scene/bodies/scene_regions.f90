@@ -148,21 +148,21 @@ contains
          call read_dimension(deck, dimension, active)
          do k = 1, 3
             if (hi(k) > lo(k) .or. .not. active(k)) cycle
-            call deck%add_error(region, "hi must be above lo in "//axis_names(k), "hi")
+            call deck%add_error(region, "hi must be above lo in "//axis_names(k)//" [D408]", "hi")
             return
          end do
       case ("halfspace")
          call region%get("normal", axis)
          if (region%known("normal") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%add_error(region, "normal must not be 0", "normal")
+            call deck%add_error(region, "normal must not be 0 [D419]", "normal")
       case ("cylinder", "cone", "torus")
          call region%get("axis", axis)
          if (region%known("axis") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%add_error(region, "axis must not be 0", "axis")
+            call deck%add_error(region, "axis must not be 0 [D419]", "axis")
       case ("difference", "intersection")
          operands = region%count("of")
          if (operands == 1) call deck%add_error(region, &
-            "of must name two regions or more for a "//shape, "of")
+            "of must name two regions or more for a "//shape//" [D420]", "of")
       case default
          continue
       end select
@@ -186,7 +186,7 @@ contains
          if (state(next) == 0) then
             call check_operands(deck, next, state)
          else if (state(next) == 1) then
-            call deck%add_error(region, "'"//operands(i)%text//"' contains this region", &
+            call deck%add_error(region, "'"//operands(i)%text//"' contains this region [D321]", &
                "of")
          end if
       end do
@@ -256,7 +256,7 @@ contains
       own_centre = about == "centre"
       if (own_centre .and. (word == "halfspace" .or. word == "points")) then
          call deck%add_error(group, "a "//word//" has no centre to rotate about; use "// &
-            "rotate_about = 'origin'", key="rotate_about")
+            "rotate_about = 'origin' [D205]", key="rotate_about")
       else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
          call keep_centre(shapes(index)%shape, scale, rotate, translate)
       end if
@@ -374,7 +374,7 @@ contains
                if (deck%sound("region")) call deck%add_error(group, "the regions up to this "// &
                   "one are made of more than "//number(most_parts)//" simple shapes, because "// &
                   "each region contains copies of those in of; combine pairs, then pairs of "// &
-                  "these, instead of one after another, and name no region twice", key="of")
+                  "these, instead of one after another, and name no region twice [D451]", key="of")
                return
             end if
             operands(n) = shapes(other)%shape

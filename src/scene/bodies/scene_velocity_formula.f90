@@ -93,7 +93,7 @@ contains
          call fill_bodies(simulation%space%grid, bodies, tile, bodies(body)%store, store)
          call add_to_body(simulation%space%grid, bodies(body), formula, store, fault)
          if (.not. allocated(fault)) cycle
-         call fail(error, exit_input, "velocity_formula: "//fault)
+         call fail(error, exit_input, "velocity_formula: "//without_code(fault)//" [D226]")
          return
       end do
    end subroutine check_body

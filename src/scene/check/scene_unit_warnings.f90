@@ -23,14 +23,14 @@ module scene_unit_warnings
    !! capacity of lead and hydrogen; the shear modulus of metals increases by a few per cent per
    !! gigapascal (D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980) 1498).
    type(usual_t), parameter :: usual(4) = [ &
-      usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene", &
+      usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene [D501]", &
       "is heavier than osmium"), &
-      usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "is slower than a wave in soft foam", &
-      "is faster than any wave in a material"), &
-      usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any material", &
-      "is more than that of hydrogen"), &
+      usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "is slower than a wave in soft foam [D504]", &
+      "is faster than any wave in a material [D504]"), &
+      usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any material [D504]", &
+      "is more than that of hydrogen [D504]"), &
       usual_t("scg_gp        ", 0.0_wp, 1.0e-7_wp, "", &
-      "is that of a table per Mbar (6.52 is 6.52e-11)")]
+      "is that of a table per Mbar (6.52 is 6.52e-11) [D505]")]
    real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in materials [m/s]
 
 contains
@@ -117,7 +117,7 @@ contains
          if (speed >= slowest .and. speed <= fastest) cycle
          call deck%warn(material, trim(moduli(i))//" = "//brief(stiffness)// &
             " Pa with density = "//brief(density)//" kg/m3 gives a wave speed of "//brief(speed)// &
-            " m/s"//question(deck), trim(moduli(i)))
+            " m/s"//question(deck)//" [D503]", trim(moduli(i)))
       end do
    end subroutine check_wave
 
@@ -146,7 +146,7 @@ contains
       call group%get("friction", friction)
       if (friction > most .and. friction < 90.0_wp) call deck%warn(group, "friction = "// &
          brief(friction)//" is a coefficient: did you mean an angle in degrees (friction = "// &
-         brief(tan(friction*pi/180.0_wp))//")?", "friction")
+         brief(tan(friction*pi/180.0_wp))//")? [D506]", "friction")
    end subroutine check_friction
 
    !> Warn of angles that are simple fractions of a turn in radians.
@@ -164,7 +164,7 @@ contains
          parts = rotate(k)*12.0_wp/pi
          if (abs(parts - anint(parts)) > near) cycle
          call deck%warn(region, "rotate = "//brief(rotate(k))//" deg: did you mean radians ("// &
-            brief(anint(parts)*15.0_wp)//" deg)?", "rotate")
+            brief(anint(parts)*15.0_wp)//" deg)? [D506]", "rotate")
          return
       end do
    end subroutine check_angles

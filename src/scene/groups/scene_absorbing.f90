@@ -82,7 +82,7 @@ contains
          call group%get("type", kind)
          if (kind /= "absorbing" .or. (name /= face_names(face) .and. name /= "all")) cycle
          call deck%add_error(group, "material '"//material//"' has no wave speed at rest, "// &
-            "which an absorbing boundary needs; use type = 'outflow'", "type")
+            "which an absorbing boundary needs; use type = 'outflow' [D327]", "type")
          return
       end do
    end subroutine refuse

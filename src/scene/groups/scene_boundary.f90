@@ -127,7 +127,7 @@ contains
       real(wp) :: begin, end
 
       if (.not. (boundary%given("face") .or. boundary%given("region"))) call deck%add_error( &
-         boundary, "face or region must be given (a face of the grid, or a rigid region)")
+         boundary, "face or region must be given (a face of the grid, or a rigid region) [D326]")
       if (allocated(condition)) call check_type(deck, boundary, condition)
       if (boundary%given("temperature") .and. boundary%given("region")) call &
          refuse_temperature(deck, boundary)
@@ -152,15 +152,15 @@ contains
       if (part) suits = condition%suits_part()
       fitting = fitting_types(part)
       if (boundary%given("region") .and. .not. suits) call deck%add_error(boundary, &
-         "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting, "type")
+         "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting//" [D328]", "type")
       if (part .and. .not. condition%moves()) then
          ! an echo of the deck contains the default, a velocity of zero
          velocity = 0.0_wp
          if (boundary%given("velocity")) call boundary%get("velocity", velocity)
          if (any(abs(velocity) > 0.0_wp)) call deck%add_error(boundary, "a face moves only with "&
-            //"type = 'velocity'; remove velocity, or use a region", "velocity")
+            //"type = 'velocity'; remove velocity, or use a region [D329]", "velocity")
          if (boundary%given("table")) call deck%add_error(boundary, "a face moves only with "// &
-            "type = 'velocity'; remove table, or use a region", "table")
+            "type = 'velocity'; remove table, or use a region [D329]", "table")
       end if
       if (boundary%given("temperature") .and. condition%joins_opposite() .and. &
          .not. boundary%given("region")) call refuse_temperature(deck, boundary)
@@ -220,12 +220,12 @@ contains
       end if
       if (direction == 2 .and. dimension /= "3d" .or. direction == 3 .and. dimension == "1d") then
          call deck%add_error(boundary, "dimension = '"//dimension//"' has no face "// &
-            face_names(face), "face")
+            face_names(face)//" [D325]", "face")
          return
       end if
       if (direction /= 1 .or. dimension /= "axisymmetric" .or. .not. allocated(condition)) return
       if (condition%joins_opposite()) then
-         call deck%add_error(boundary, "the radius cannot be periodic", "type")
+         call deck%add_error(boundary, "the radius cannot be periodic [D323]", "type")
       else if (face == 1 .and. .not. condition%mirrors()) then
          call deck%add_error(boundary, "the axis of an axisymmetric scene must be type = "// &
             "'symmetry'", &
@@ -369,7 +369,7 @@ contains
       do index = 1, size(shapes)
          if (shapes(index)%name /= region .or. .not. allocated(shapes(index)%shape%shape)) cycle
          if (allocated(shapes(index)%points)) call deck%add_error(group, "'"//region// &
-            "' is a list of points, which has no interior; name another region", "region")
+            "' is a list of points, which has no interior; name another region [D414]", "region")
          allocate (wall%region, source=shapes(index)%shape%shape)
       end do
    end subroutine read_wall

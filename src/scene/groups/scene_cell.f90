@@ -95,7 +95,7 @@ contains
       do n = 2, size(words)
          list = list//" or '"//trim(words(n))//"'"
       end do
-      call deck%add_error(group, "&cell needs "//key//" = "//list//", not '"//word//"'", key)
+      call deck%add_error(group, "&cell needs "//key//" = "//list//", not '"//word//"' [D348]", key)
    end subroutine need
 
    !> Read the cell and its stages. Grid, boundaries, method and effects are already read.
@@ -150,7 +150,7 @@ contains
       if (grains%given("diameter")) return
       tilts = deck%departs(cell, "tilt")
       if (cell%given("pressure") .or. tilts) call deck%add_error(cell, "there is no &stage: "// &
-         "give at least one, such as rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
+         "give at least one, such as rate = 0, 0, 0, 0, 1, 0   duration = 1.0 [D347]")
    end subroutine check_stages
 
    !> Warn if the run ends before the last stage.
@@ -166,7 +166,7 @@ contains
       call group%get("t_end", end_of_run)
       if (time <= end_of_run*(1.0_wp + grain)) return
       call deck%warn("stage", deck%count("stage"), "ends at t = "//deck%shown(time, "s")// &
-         ", after t_end; raise t_end to reach it")
+         ", after t_end; raise t_end to reach it [D348]")
    end subroutine check_end
 
    !> A cell is periodic in all its directions, and effects that use positions or directions in
@@ -185,19 +185,19 @@ contains
          do k = 1, 3
             if (.not. grid%active(k) .or. grid%periodic(k)) cycle
             call deck%add_error(cell, "&cell needs periodic faces in all directions, and "// &
-               axis_names(k)//" has none; write &boundary face = 'all' type = 'periodic'")
+               axis_names(k)//" has none; write &boundary face = 'all' type = 'periodic' [D348]")
             exit
          end do
       end associate
       associate (method => simulation%scheme%method)
          if (allocated(method%splitting)) call deck%add_error(deck%group("method"), &
-            "&cell cannot be combined with split = .true.; remove it", "split")
+            "&cell cannot be combined with split = .true.; remove it [D348]", "split")
          if (method%heat_flux > 0.0_wp) call deck%add_error(deck%group("method"), &
-            "&cell cannot be combined with heat_flux; remove it", "heat_flux")
+            "&cell cannot be combined with heat_flux; remove it [D348]", "heat_flux")
       end associate
       do k = 1, size(simulation%materials)
          if (simulation%materials(k)%repacks) call deck%add_error(deck%group("material", k), &
-            "&cell cannot be combined with volume_from = 'grid'; remove it", "volume_from")
+            "&cell cannot be combined with volume_from = 'grid'; remove it [D348]", "volume_from")
       end do
       if (allocated(simulation%effects%gravity)) call deck%add_error(deck%group("effects"), &
          "&cell cannot be combined with gravity: a periodic cell has no bottom; remove "// &
@@ -232,7 +232,7 @@ contains
 
       departs = deck%departs(group, key)
       if (departs) call deck%add_error(group, key//" is for grains, with &grains and "// &
-         "scree --grains; remove it", key)
+         "scree --grains; remove it [D348]", key)
    end subroutine refuse_key
 
    !> Check that a stage has an end, directions of the scene, and the pressure that it prescribes.
@@ -252,22 +252,22 @@ contains
       call stage%get("rate", rate)
       call stage%get("servo", servo)
       if (.not. (stage%given("strain") .or. stage%given("duration"))) call deck%add_error(stage, &
-         "the stage has no end: give strain or duration")
+         "the stage has no end: give strain or duration [D347]")
       if (stage%given("strain") .and. .not. any(abs(rate) > 0.0_wp)) call deck%add_error(stage, &
-         "strain needs a rate; without it give duration", "strain")
+         "strain needs a rate; without it give duration [D348]", "strain")
       if (servo /= "none" .and. .not. (stage%given("pressure") .or. cell%given("pressure"))) &
-         call deck%add_error(stage, "servo needs a pressure, here or in &cell", "servo")
+         call deck%add_error(stage, "servo needs a pressure, here or in &cell [D348]", "servo")
       do k = 1, 6
          if ((active(row(k)) .and. active(column(k))) .or. .not. abs(rate(k)) > 0.0_wp) cycle
          call deck%add_error(stage, "rate has a component along a direction that the scene "// &
-            "does not have; in a plane use the first, third and fifth", "rate")
+            "does not have; in a plane use the first, third and fifth [D348]", "rate")
          exit
       end do
       if (servo == "none" .or. servo == "isotropic") return
       do k = 1, 3
          if (active(k) .or. index(servo, axis_names(k)) == 0) cycle
          call deck%add_error(stage, "servo = '"//servo//"' holds a stress along "// &
-            axis_names(k)//", a direction that the scene does not have", "servo")
+            axis_names(k)//", a direction that the scene does not have [D348]", "servo")
          exit
       end do
    end subroutine check_stage
@@ -291,7 +291,7 @@ contains
          if (simulation%materials(k)%heat%conductivity > 0.0_wp) what = "conductivity"
       end do
       if (what /= "") call deck%add_error(deck%group("cell"), "&cell cannot be combined "// &
-         "with "//what//"; remove one of the two")
+         "with "//what//"; remove one of the two [D348]")
    end subroutine refuse_effects
 
    !> First stress and velocity gradient of the cell, and a first step that is short enough for it.

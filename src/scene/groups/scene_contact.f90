@@ -67,7 +67,7 @@ contains
             call deck%add_error(group, "contact = .true. allows at most "//number(most_fields)// &
                " velocity fields, and the bodies have "//number(fields)// &
                ", two for a body with self-contact; give bodies that need no contact with "// &
-               "each other the same field in &body", &
+               "each other the same field in &body [D339]", &
                "contact")
             return
          end if
@@ -222,7 +222,7 @@ contains
       if (deck%count("load") > 0) what = "&load; remove it"
       if (bonded) what = "law = 'bonded' for that body; use another law"
       if (what /= "") call deck%add_error(group, &
-         "contact of a body with itself cannot be combined with "//what, "bodies")
+         "contact of a body with itself cannot be combined with "//what//" [D336]", "bodies")
    end subroutine refuse_method
 
    !> Check settings that contact excludes.
@@ -238,14 +238,14 @@ contains
       call exact%get("solution", solution)
       if (solution /= "none") call deck%add_error(group, &
          "contact = .true. cannot be combined with &exact, whose solutions are for one body; "// &
-         "remove one of the two", &
+         "remove one of the two [D340]", &
          "contact")
       do n = 1, size(simulation%materials)
          if (.not. allocated(simulation%materials(n)%heat)) cycle
          if (.not. simulation%materials(n)%heat%conductivity > 0.0_wp) cycle
          call deck%add_error(group, "contact = .true. cannot be combined with the "// &
             "conductivity of material '"//simulation%materials(n)%name//"', because heat "// &
-            "would cross gaps; remove one of the two", "contact")
+            "would cross gaps; remove one of the two [D346]", "contact")
          return
       end do
    end subroutine refuse_others
@@ -325,7 +325,7 @@ contains
             if (wild_cards(before) == wild) then
                call deck%add_error(group, "bodies of velocity fields "//number(min(a, b))// &
                   " and "//number(max(a, b))//" already have a law, in line "// &
-                  number(earlier%line("bodies"))//"; remove one of the two", "bodies")
+                  number(earlier%line("bodies"))//"; remove one of the two [D338]", "bodies")
                return
             end if
          end if
@@ -392,7 +392,7 @@ contains
       if (one == other) return
       if (field_of_body(one) == field_of_body(other)) then
          call deck%add_error(group, "the two bodies share a velocity field, so they move as "// &
-            "one; give them different values of field in &body", "bodies")
+            "one; give them different values of field in &body [D337]", "bodies")
       end if
    end subroutine check_pair
 

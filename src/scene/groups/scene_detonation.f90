@@ -86,14 +86,14 @@ contains
          if (.not. eos%detonates()) cycle
          if (deck%count("detonation") == 0) call deck%warn(group, "is an explosive that no "// &
             "&detonation ignites: it starts as hot products at their full pressure; add a "// &
-            "&detonation with the point where it starts", "eos_model")
+            "&detonation with the point where it starts [D320]", "eos_model")
          if (.not. group%given("detonation_speed")) cycle
          call group%get("detonation_speed", speed)
          least = least_speed(simulation, group)
          if (abs(speed - least) > most*least) call deck%warn(group, "detonation_speed = "// &
             brief(speed)//" m/s, but the constants jwl_* give a detonation speed "// &
             "of "//brief(least)// &
-            " m/s; one of the constants belongs to another explosive", "detonation_speed")
+            " m/s; one of the constants belongs to another explosive [D320]", "detonation_speed")
       end do
    end subroutine warn_of_materials
 
@@ -141,7 +141,7 @@ contains
       detonator%other = merge(detonator%other, 0.0_wp, grid%active)
       if (detonator%shape == detonator_plane .and. group%known("normal") .and. .not. &
          any(abs(detonator%other) > 0.0_wp)) call deck%add_error(group, &
-         "a plane needs a normal along the directions of the scene", "normal")
+         "a plane needs a normal along the directions of the scene [D320]", "normal")
    end subroutine read_detonator
 
    !> Add a detonation to the explosives that it ignites.
@@ -175,11 +175,11 @@ contains
       end do
       if (.not. lights) then
          call deck%add_error(group, "ignites no explosive; write eos_model = 'jwl' in the "// &
-            "&material that burns, or remove the group", "material")
+            "&material that burns, or remove the group [D320]", "material")
       else if (.not. touches) then
          call deck%warn(group, "lies outside every explosive, more than a cell from the box "// &
             "around it; it ignites all explosive in its line of sight, as if the space "// &
-            "between were explosive", "point")
+            "between were explosive [D320]", "point")
       end if
    end subroutine ignite_explosives
 

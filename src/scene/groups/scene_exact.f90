@@ -58,7 +58,7 @@ contains
       if (name == "none") return
       if (simulation%space%grid%axisymmetric) then
          call deck%add_error(group, "no exact solution is axisymmetric; write dimension = '1d', "&
-            //"'plane_strain' or '3d' in &run", "solution")
+            //"'plane_strain' or '3d' in &run [D352]", "solution")
          return
       end if
       if (allocated(simulation%scheme%method%splitting)) call deck%add_error(group, &
@@ -94,14 +94,14 @@ contains
          if (.not. follows(n)) then
             if (any(follows .and. bodies%store == bodies(n)%store)) call deck%add_error("body", n, &
                "has the same material as a body in &exact; add it to bodies of &exact, or "// &
-               "give it a separate &material", "material")
+               "give it a separate &material [D344]", "material")
             cycle
          end if
          body = deck%group("body", n)
          if (body%given("velocity") .and. any(abs(bodies(n)%velocity) > 0.0_wp)) &
             call deck%add_error(body, "&exact gives the velocity; remove it here", "velocity")
          if (body%given("spin") .and. any(abs(bodies(n)%spin) > 0.0_wp)) &
-            call deck%add_error(body, "&exact gives the rotation; remove spin", "spin")
+            call deck%add_error(body, "&exact gives the rotation; remove spin [D342]", "spin")
       end do
    end subroutine find_followers
 
@@ -138,10 +138,10 @@ contains
       text = solution%law()
       if (len(text) > 0 .and. law /= text) then
          call deck%add_error(material, "solution = '"//name//"' of &exact holds for "// &
-            "strength_model = '"//text//"' only", "strength_model")
+            "strength_model = '"//text//"' only [D341]", "strength_model")
       else if (.not. elastic) then
          call deck%add_error(material, "exact solutions are elastic; write strength_model = "// &
-            "'elastic' or 'neo_hookean'", "strength_model")
+            "'elastic' or 'neo_hookean' [D352]", "strength_model")
       end if
       simulation%effects%exact%forced = simulation%effects%exact%forced .or. solution%forced()
       call move_alloc(solution, simulation%effects%exact%material(place)%solution)

@@ -57,24 +57,24 @@ contains
       do k = 1, 3
          if (.not. needed(k) .or. hi(k) > lo(k)) cycle
          if (active(k)) then
-            call deck%add_error(grid, "hi must be above lo in "//axis_names(k), "hi")
+            call deck%add_error(grid, "hi must be above lo in "//axis_names(k)//" [D408]", "hi")
          else
             call deck%add_error(grid, "hi must be above lo in "//axis_names(k)//" too; in "// &
                dimension// &
-               " the difference is the thickness", "hi")
+               " the difference is the thickness [D408]", "hi")
          end if
          return
       end do
       if (dimension == "axisymmetric" .and. abs(lo(1)) > 0.0_wp) call deck%add_error(grid, &
-         "axisymmetric needs lo(1) = 0, the axis", "lo")
+         "axisymmetric needs lo(1) = 0, the axis [D402]", "lo")
       call grid%get("block", edge)
       if (count(active) == 3 .and. edge > most_block) call deck%add_error(grid, &
          "tiles of more than 16 cells along an edge are too large for the stack of a thread in "// &
-         "three dimensions; write block = 0 or at most 16", "block")
+         "three dimensions; write block = 0 or at most 16 [D406]", "block")
       if (grid%given("cells")) then
          call check_cells(deck, grid, lo, hi, active)
       else if (.not. grid%given("dx")) then
-         call deck%add_error(grid, "dx or cells must be given")
+         call deck%add_error(grid, "dx or cells must be given [D401]")
       else if (grid%known("dx")) then
          call check_spacing(deck, grid, lo, hi, active)
       end if
@@ -96,7 +96,7 @@ contains
          cells = (hi(k) - lo(k))/dx
          if (cells > most_cells) then
             call deck%add_error(grid, "(hi-lo)/dx = "//brief(cells)//" in "//axis_names(k)// &
-               " is more than a million cells", "dx")
+               " is more than a million cells [D405]", "dx")
             return
          end if
          if (abs(cells - anint(cells)) <= tolerance*max(cells, 1.0_wp) .and. cells > 0.5_wp) cycle
@@ -104,7 +104,7 @@ contains
             axis_names(k)// &
             "; nearest: hi = "//deck%shown(lo(k) + max(anint(cells), 1.0_wp)*dx, "m")// &
             " or dx = "// &
-            deck%shown((hi(k) - lo(k))/max(anint(cells), 1.0_wp), "m"), "dx")
+            deck%shown((hi(k) - lo(k))/max(anint(cells), 1.0_wp), "m")//" [D404]", "dx")
       end do
    end subroutine check_spacing
 
@@ -120,7 +120,7 @@ contains
       integer :: k
 
       if (grid%given("dx")) then
-         call deck%add_error(grid, "dx and cells are both given; keep one", "cells")
+         call deck%add_error(grid, "dx and cells are both given; keep one [D307]", "cells")
          return
       end if
       if (.not. grid%known("cells")) return
@@ -128,7 +128,7 @@ contains
       do k = 1, 3
          if (.not. active(k) .or. cells(k) <= nint(most_cells)) cycle
          call deck%add_error(grid, "cells = "//number(cells(k))//" in "//axis_names(k)// &
-            " is more than a million cells", "cells")
+            " is more than a million cells [D405]", "cells")
          return
       end do
       edge = (hi - lo)/real(cells, wp)
@@ -137,7 +137,7 @@ contains
          if (abs(edge(k) - edge(1)) <= tolerance*edge(1)) cycle
          call deck%add_error(grid, "cells must be cubes, but these are "//deck%shown(edge(1), &
             "m")// &
-            " in x and "//deck%shown(edge(k), "m")//" in "//axis_names(k), "cells")
+            " in x and "//deck%shown(edge(k), "m")//" in "//axis_names(k)//" [D407]", "cells")
          return
       end do
    end subroutine check_cells

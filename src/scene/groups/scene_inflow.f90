@@ -64,7 +64,7 @@ contains
 
       if (deck%count("inflow") == 0) return
       if (allocated(simulation%space%cell)) call deck%add_error(deck%group("inflow", 1), &
-         "&inflow cannot be combined with a deforming &cell; remove one of the two")
+         "&inflow cannot be combined with a deforming &cell; remove one of the two [D444]")
       allocate (inflows(deck%count("inflow")), taken(size(bodies)))
       taken = .false.
       do n = 1, size(inflows)
@@ -94,7 +94,7 @@ contains
       if (inflow%body == 0) return
       inflow%store = bodies(inflow%body)%store
       if (taken(inflow%body)) call deck%add_error(group, "'"//inflow%name//"' has another "// &
-         "&inflow; give each its own body", "body")
+         "&inflow; give each its own body [D444]", "body")
       taken(inflow%body) = .true.
       call refuse_body(deck, group, simulation, bodies(inflow%body))
       call check_plane(deck, group, "velocity")
@@ -103,7 +103,7 @@ contains
       if (group%given("mass_rate")) call group%get("mass_rate", inflow%mass_rate)
       if (group%given("table")) then
          if (group%given("mass_rate")) call deck%add_error(group, "the speed follows from "// &
-            "mass_rate; remove table or mass_rate", "table")
+            "mass_rate; remove table or mass_rate [D444]", "table")
          call read_motion_table(deck, simulation%machine%communicator, group, "table", &
             of_velocities, "m/s", inflow%motion)
       end if
@@ -128,7 +128,7 @@ contains
       if (norm2(body%velocity) > 0.0_wp) what = "velocity, which is that of its &inflow"
       if (what /= "") call deck%add_error(group, "the body of an inflow cannot be combined "// &
          "with "//what// &
-         "; remove it from '"//body%name//"'", "body")
+         "; remove it from '"//body%name//"' [D444]", "body")
    end subroutine refuse_body
 
    !> The direction of the flow; all entries of the table must have it.
@@ -154,13 +154,13 @@ contains
          if (n == inflow%axis) cycle
          if (any(abs(speed(n, :)) > 0.0_wp)) then
             call deck%add_error(group, "the flow must be along x, y or z, such as velocity = "// &
-               "0, 0, -10; rotate the scene accordingly", "velocity")
+               "0, 0, -10; rotate the scene accordingly [D444]", "velocity")
             return
          end if
       end do
       if (any(inflow%sense*speed(inflow%axis, :) < 0.0_wp) .or. &
          .not. any(abs(speed) > 0.0_wp)) call deck%add_error(group, "the flow must have a "// &
-         "speed and must not reverse at any time", "velocity")
+         "speed and must not reverse at any time [D444]", "velocity")
       if (grid%axisymmetric .and. inflow%axis == 1) call deck%add_error(group, &
          "in axisymmetric scenes an inflow is along z; across the radius its width would change", &
          "velocity")
@@ -331,11 +331,11 @@ contains
          if (maxval(masses) - minval(masses) > alike*maxval(masses)) then
             call deck%add_error(group, "the cross-section of '"//inflow%name//"' changes along "// &
                "the flow; use a box, prism or cylinder along it whose ends lie where particles "// &
-               "end, "//brief(edge)//" m apart from the corner of the grid", "body")
+               "end, "//brief(edge)//" m apart from the corner of the grid [D444]", "body")
          else if (inflow%length < (shortest - alike)*grid%spacing) then
             call deck%add_error(group, "'"//inflow%name//"' is "//brief(inflow%length)// &
                " m long; give it three cells ("//brief(shortest*grid%spacing)//" m) or more "// &
-               "along the flow", "body")
+               "along the flow [D444]", "body")
          end if
       end associate
    end subroutine measure_pattern

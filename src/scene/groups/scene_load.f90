@@ -66,7 +66,7 @@ contains
             loads(n)%slot = slots
          end if
          if (.not. finds_body(loads(n), bodies)) call deck%warn(deck%group("load", n), &
-            "the load has no effect: none of its bodies reaches into its region", "region")
+            "the load has no effect: none of its bodies reaches into its region [D354]", "region")
       end do
       call move_alloc(loads, simulation%effects%loads)
    end subroutine read_loads
@@ -91,7 +91,7 @@ contains
          if (region == "" .or. shapes(n)%name /= region) cycle
          if (allocated(shapes(n)%points)) then
             call deck%add_error(group, "'"//region//"' is a list of points, which has no "// &
-               "interior; name another region", "region")
+               "interior; name another region [D414]", "region")
          else if (allocated(shapes(n)%shape%shape)) then
             allocate (load%region, source=shapes(n)%shape%shape)
          end if
@@ -202,7 +202,7 @@ contains
       stress = 0.0_wp
       if (.not. (group%given("pressure") .or. group%given("traction"))) then
          call deck%add_error(group, &
-            "give a pressure, or a traction and the normal of the surface", "pressure")
+            "give a pressure, or a traction and the normal of the surface [D354]", "pressure")
          return
       end if
       if (group%given("pressure")) then
@@ -242,12 +242,12 @@ contains
       call group%list("times", course%time)
       call group%list("factors", factors)
       if (size(factors) /= size(course%time)) then
-         call deck%add_error(group, "times and factors must have the same length", "factors")
+         call deck%add_error(group, "times and factors must have the same length [D354]", "factors")
          return
       end if
       do n = 2, size(factors)
          if (course%time(n) > course%time(n - 1)) cycle
-         call deck%add_error(group, "times must ascend", "times")
+         call deck%add_error(group, "times must ascend [D354]", "times")
          return
       end do
       allocate (course%speed(3, size(factors)), source=0.0_wp)

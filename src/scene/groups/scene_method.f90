@@ -167,7 +167,7 @@ contains
       if (method%dual .and. method%stress == stress_after .and. method%transfer%affine() .and. &
          .not. method%transfer%turning()) call deck%warn(group, "transfer = '"//word//"' with "// &
          "stress_update = 'usl' gains energy without bound where bodies vibrate; remove "// &
-         "stress_update", "stress_update")
+         "stress_update [D355]", "stress_update")
       if (method%transfer%turning()) then
          call group%get("turn_from", word)
          method%smooth_turn = word == "tiles"
@@ -190,11 +190,11 @@ contains
 
       if (method%transfer%affine() .and. .not. method%transfer%turning()) then
          call deck%warn(group, "linear functions with transfer = '"//transfer// &
-            "' gain energy without bound; write basis = 'quadratic'", "transfer")
+            "' gain energy without bound; write basis = 'quadratic' [D355]", "transfer")
       else if (method%stress == stress_after .and. (method%transfer%flip_fraction() > 0.0_wp .or. &
          method%transfer%sweeps() > 0)) then
          call deck%warn(group, "linear functions with stress_update = 'usl' gain energy "// &
-            "without bound where bodies cross cells; write stress_update = 'musl'", &
+            "without bound where bodies cross cells; write stress_update = 'musl' [D355]", &
             "stress_update")
       end if
    end subroutine warn_of_linear
@@ -246,7 +246,7 @@ contains
       character(len=*), intent(in) :: quadrature     !! Word of the rule
 
       if (is_axisymmetric(deck)) call deck%add_error(group, "quadrature = '"//quadrature// &
-         "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point'", &
+         "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point' [D345]", &
          "quadrature")
    end subroutine refuse_axis
 end module scene_method

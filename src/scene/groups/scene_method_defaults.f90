@@ -137,7 +137,7 @@ contains
       if (.not. transfer%affine()) return
       if (.not. transfer%turning()) call deck%add_error(group, "stress_update = "// &
          "'usavg' generates energy without bound with transfer = '"//word//"'; write "// &
-         "transfer = 'rflip' or remove stress_update", "stress_update")
+         "transfer = 'rflip' or remove stress_update [D355]", "stress_update")
       if (.not. transfer%turning()) return
       if (.not. group%given("turn_from")) then
          call deck%set_default("method", 1, "turn_from", "tiles")
@@ -181,7 +181,7 @@ contains
       ! a deck written by the program contains its default
       if (.not. abs(share - unseen_usual) > 0.0_wp) return
       call deck%add_error(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
-         "'; remove one of the two", "unseen_strain")
+         "'; remove one of the two [D355]", "unseen_strain")
    end subroutine check_unseen
 
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
@@ -197,7 +197,7 @@ contains
       may = may_normalise(deck)
       if (word /= "none" .and. .not. may) call deck%add_error(group, &
          "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
-         "no viscosity_limiter = 'smooth' or paper = .true.; write 'none'", "normalise")
+         "no viscosity_limiter = 'smooth' or paper = .true.; write 'none' [D355]", "normalise")
    end subroutine check_normalise
 
    !> Does the rule of the dual gradient allow normalised sums?
@@ -247,7 +247,7 @@ contains
             end if
             call group%get(trim(key), number)
             if (abs(number - 1.0_wp) > 0.0_wp) call deck%add_error(group, &
-               "paper = .true. needs "//trim(key)//" = 1; remove one of the two", trim(key))
+               "paper = .true. needs "//trim(key)//" = 1; remove one of the two [D355]", trim(key))
          end associate
       end do
    end subroutine set_paper_defaults

@@ -130,7 +130,7 @@ contains
       if (simulation%scheme%method%dual) return
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%repacks) call deck%add_error("material", n, &
-            "volume_from = 'grid' needs method = 'ddmp' in &run; remove it", "volume_from")
+            "volume_from = 'grid' needs method = 'ddmp' in &run; remove it [D316]", "volume_from")
       end do
    end subroutine check_volumes
 
@@ -145,7 +145,7 @@ contains
          if (simulation%materials(n)%carries_energy()) return
       end do
       call deck%add_error(deck%group("method", 1), "no material has an internal energy; "// &
-         "remove heat_flux", "heat_flux")
+         "remove heat_flux [D318]", "heat_flux")
    end subroutine check_heat_flux
 
    !> The materials.
