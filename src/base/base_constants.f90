@@ -11,6 +11,7 @@ module base_constants
    !> Index of the component (k, l) of a tensor in its symmetric storage.
    integer, parameter, public :: symmetric(3, 3) = reshape([xx, xy, xz, xy, yy, yz, xz, yz, zz], &
       [3, 3])
+   integer, parameter, public :: most_lanes = 64         !! Particles that a kernel treats together
    !> A value that is not set.
    real(wp), parameter, public :: unset = -huge(1.0_wp)
 end module base_constants

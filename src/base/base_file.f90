@@ -2,7 +2,8 @@
 !> File operations with the reason of the system when they fail.
 !!
 !! Fortran cannot rename, synchronise or list files, and its runtime hides why a write failed, so
-!! these procedures call the C library. They are local to the calling rank.
+!! these procedures call the C library. They are local to the calling rank. `longest_name` is public
+!! here as well: it is the length of the names that `list_folder` returns.
 module base_file
    use base_error, only: code_length, error_t, exit_file, fail
    use base_kinds, only: int64, wp

@@ -7,7 +7,7 @@ module base_log
    implicit none
    private
 
-   public :: duration, log_t, progress_heading, progress_line, progress_t
+   public :: duration, log_t, progress_heading, progress_line, progress_row_t
 
    !> Levels. A line is written if its level is not above that of the log.
    integer, parameter, public :: log_error = 0, log_warn = 1, log_info = 2
@@ -31,7 +31,7 @@ module base_log
    end type log_t
 
    !> Content of a line of progress.
-   type :: progress_t
+   type :: progress_row_t
       real(wp) :: wall = 0.0_wp                          !! Wall time so far [s]
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       real(wp) :: time_end = 0.0_wp                      !! End of simulated time [s]
@@ -42,7 +42,7 @@ module base_log
       integer(int64) :: particles = 0                    !! Number of particles on all ranks
       real(wp) :: updates_per_second = 0.0_wp            !! Particle updates a second [1/s]
       real(wp) :: seconds_left = 0.0_wp !! Remaining wall time [s], negative: not known
-   end type progress_t
+   end type progress_row_t
 
 contains
 
@@ -158,7 +158,7 @@ contains
 
    !> One line of progress.
    function progress_line(progress) result(text)
-      type(progress_t), intent(in) :: progress           !! Current state
+      type(progress_row_t), intent(in) :: progress           !! Current state
       character(len=:), allocatable :: text
       character(len=120) :: line
       real(wp) :: share

@@ -5,8 +5,8 @@ module base_text
    implicit none
    private
 
-   public :: append, brief, buffer_t, closest, closest_meaning, distance, is_letter, join, &
-      line_end, lower, number, shared_words, shortened, size_text, split, text_t
+   public :: append, brief, buffer_t, closest, closest_meaning, distance, exponent_text, &
+      is_letter, join, line_end, lower, number, shared_words, shortened, size_text, split, text_t
 
    !> A text of any length, for arrays of texts.
    type :: text_t
@@ -312,6 +312,31 @@ contains
    pure function number_of_real(value) result(text)
       real(wp), intent(in) :: value                      !! A finite number
       character(len=:), allocatable :: text
+
+      text = tidied(exact_digits(value))
+   end function number_of_real
+
+   !> The same digits in the form of tables and summaries: an exponent of three digits, 1.25E+003.
+   pure function exponent_text(value) result(text)
+      real(wp), intent(in) :: value                      !! Any number
+      character(len=:), allocatable :: text
+      character(len=32) :: line
+      integer :: last, mark
+
+      line = exact_digits(value)
+      mark = index(line, "E")
+      if (mark == 0) then
+         write (line, "(g0)") value
+         text = trim(adjustl(line))
+         return
+      end if
+      last = verify(line(:mark - 1), "0", back=.true.)
+      text = line(:merge(last + 1, last, line(last:last) == "."))//trim(line(mark:))
+   end function exponent_text
+
+   !> Digits of a number that give the same bits when read back, with an exponent.
+   pure function exact_digits(value) result(line)
+      real(wp), intent(in) :: value                      !! Any number
       character(len=32) :: line
       character(len=12) :: layout
       real(wp) :: again
@@ -321,10 +346,10 @@ contains
          write (layout, "(a, i0, a)") "(es32.", digits, "e3)"
          write (line, layout) value
          read (line, *, iostat=status) again
-         if (status == 0 .and. abs(again - value) <= 0.0_wp) exit
+         if (status == 0 .and. transfer(again, 0_int64) == transfer(value, 0_int64)) exit
       end do
-      text = tidied(adjustl(line))
-   end function number_of_real
+      line = adjustl(line)
+   end function exact_digits
 
    !> A number rounded to six digits.
    pure function brief(value) result(text)

@@ -22,6 +22,9 @@ module ddmp_quadrature
       procedure :: margin => quadrature_margin       !! Layers of nodes reached beyond a tile
       procedure :: controlled => quadrature_controlled !! Is a mean stress integrated exactly?
       procedure :: differing => quadrature_differing !! Is the force of stress differences?
+      procedure :: is_plain => quadrature_is_plain   !! Does it need no other particles?
+      procedure :: suits_cell => quadrature_suits_cell !! May the mesh deform with its cell?
+      procedure :: needs_split => quadrature_needs_split !! Does it need the split form of alpha?
       procedure :: request => quadrature_request !! Requests fields of particles
       procedure(locate_i), deferred :: locate        !! Finds the shape data of a tile
       procedure(scatter_i), deferred :: scatter_force !! Force, volume and node stress
@@ -93,6 +96,28 @@ contains
 
       differing = .false.
    end function quadrature_differing
+
+   !> True if the rule evaluates the whole stress of a particle in its own cell: only this allows a
+   !! second velocity of a body, and sums that are divided by those of the weights.
+   pure logical function quadrature_is_plain(self) result(yes)
+      class(quadrature_t), intent(in) :: self
+
+      yes = .not. (self%controlled() .or. self%differing() .or. self%margin() > 0)
+   end function quadrature_is_plain
+
+   !> May the mesh deform with a periodic cell?
+   pure logical function quadrature_suits_cell(self) result(yes)
+      class(quadrature_t), intent(in) :: self
+
+      yes = .false.
+   end function quadrature_suits_cell
+
+   !> Must alpha be a product of one function per direction, the split form?
+   pure logical function quadrature_needs_split(self) result(yes)
+      class(quadrature_t), intent(in) :: self
+
+      yes = .false.
+   end function quadrature_needs_split
 
    !> Request fields of particles. Most request none.
    pure subroutine quadrature_request(self, traits)

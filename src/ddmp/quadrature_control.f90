@@ -21,6 +21,7 @@ module quadrature_control
    contains
       procedure :: margin => control_margin          !! Nodes beyond a tile that are used
       procedure :: controlled => control_controlled  !! The mean stress is subtracted
+      procedure :: suits_cell => control_suits_cell  !! It integrates on a mesh at rest
    end type quadrature_control_t
 
 contains
@@ -38,4 +39,11 @@ contains
 
       controlled = .true.
    end function control_controlled
+
+   !> The mean stress is integrated on a mesh at rest.
+   pure logical function control_suits_cell(self) result(yes)
+      class(quadrature_control_t), intent(in) :: self
+
+      yes = .false.
+   end function control_suits_cell
 end module quadrature_control

@@ -19,12 +19,20 @@ module quadrature_point
    !> The gradient at one point.
    type, extends(quadrature_t) :: quadrature_point_t
    contains
+      procedure :: suits_cell => point_suits_cell    !! Particles have no fields of the mesh
       procedure :: locate => point_locate            !! alpha at the particles
       procedure :: scatter_force => point_scatter_force !! Force, volume and node stress
       procedure :: gather_gradient => point_gather_gradient !! Velocity gradient
    end type quadrature_point_t
 
 contains
+
+   !> Particles have no fields that follow the mesh.
+   pure logical function point_suits_cell(self) result(yes)
+      class(quadrature_point_t), intent(in) :: self
+
+      yes = .true.
+   end function point_suits_cell
 
    !> alpha of the particles of a tile.
    pure subroutine point_locate(self, grid, coordinate, store, tile, shape)

@@ -27,6 +27,7 @@ module quadrature_sub_points
    contains
       procedure :: margin => sub_margin              !! Nodes beyond a tile that boxes reach
       procedure :: request => sub_request            !! Particles carry boxes that stretch
+      procedure :: needs_split => sub_needs_split    !! Its means are products
       procedure :: locate => sub_locate              !! Means along the directions
       procedure :: scatter_force => sub_scatter_force !! Force, volume and node stress
       procedure :: gather_gradient => sub_gather_gradient !! Velocity gradient
@@ -49,6 +50,13 @@ contains
       traits%extent = .true.
       traits%stretching = .true.
    end subroutine sub_request
+
+   !> The means over the box are products of means along the directions.
+   pure logical function sub_needs_split(self) result(yes)
+      class(quadrature_sub_points_t), intent(in) :: self
+
+      yes = .true.
+   end function sub_needs_split
 
    !> Means of the functions, of alpha times their derivative, and of 1 - alpha times the functions.
    pure subroutine sub_locate(self, grid, coordinate, store, tile, shape)

@@ -5,8 +5,9 @@ module deck_check
    use base_text, only: append, closest, join, number, text_t
    use deck_group_values, only: group_t
    use deck_index, only: deck_index_t
+   use deck_key_rules, only: condition_t
    use deck_problems, only: command_line, problems_t
-   use deck_schema, only: condition_t, group_rule_t, key_t, kind_logical, schema_t
+   use deck_schema, only: group_rule_t, key_t, kind_logical, schema_t
    use deck_value, only: read_default, value_t
    implicit none
    private

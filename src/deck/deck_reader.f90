@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> An input deck, read against the schema with all its errors found in one pass.
 !!
-!! Usage: `read`, further checks with `add_error` and `warn`, then `verdict`.
+!! Usage: `read`, further checks with `add_error` and `warn`, then `verdict`. The type of its
+!! groups, `group_t`, is public here as well, because every module that reads a deck needs both.
 module deck_reader
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
@@ -23,7 +24,7 @@ module deck_reader
    implicit none
    private
 
-   public :: deck_t, group_t, unset_integer
+   public :: deck_t, group_t
 
    !> A deck.
    type :: deck_t
@@ -41,6 +42,7 @@ module deck_reader
       procedure :: count => deck_count                   !! Number of groups of a kind
       procedure :: group => deck_group                   !! One group
       procedure :: departs => deck_departs               !! Is a key given, and not its default?
+      procedure :: unit => deck_unit                     !! Unit of SI of a key
       procedure :: named => deck_named                   !! Index of the group with a given name
       !> Record an error or a warning about a group, at the line of a key if it is given.
       generic :: add_error => report_group_error, report_place_error
@@ -328,6 +330,18 @@ contains
       end do
       text = text//echo(self%schema, self%groups, self%index)
    end function deck_echo
+
+   !> Unit of SI of a key, for messages.
+   pure function deck_unit(self, group, key) result(unit)
+      class(deck_t), intent(in) :: self
+      type(group_t), intent(in) :: group
+      character(len=*), intent(in) :: key
+      character(len=:), allocatable :: unit
+      integer :: rule
+
+      rule = self%schema%find(group%group)
+      unit = self%schema%groups(rule)%keys(self%schema%groups(rule)%find(key))%unit_text
+   end function deck_unit
 
    !> True if a key is given with a value other than its default. A key that has its default is not
    !! enough, because the echo of a deck can be run as a deck and gives all defaults.

@@ -2,7 +2,8 @@
 !> The schema of decks: groups and keys with kind, unit, default, range and meaning.
 !!
 !! Each part of the program declares its own keys. Reading, checking, the echo, the template and the
-!! explanations all walk this one table.
+!! explanations all walk this one table. The meanings of a change at a restart, `changes_*`, are
+!! public here as well, because a declaration of keys needs them.
 module deck_schema
    use base_text, only: append, split, text_t
    use deck_key_rules, only: change_rule_t, changes_end, changes_extent, changes_nothing, &
@@ -12,8 +13,8 @@ module deck_schema
    implicit none
    private
 
-   public :: changes_end, changes_extent, changes_nothing, changes_physics, condition_t, &
-      group_rule_t, key_t, schema_t
+   public :: changes_end, changes_extent, changes_nothing, changes_physics, group_rule_t, key_t, &
+      schema_t
 
    integer, parameter, public :: kind_real = 1           !! Numbers
    integer, parameter, public :: kind_integer = 2        !! Integers
@@ -170,6 +171,7 @@ contains
       if (present(unit)) then
          key%unit_text = unit
          call unit_of(unit, key%unit, known)
+         if (.not. known) call record_mistake(self, "unit "//unit//" of "//name)
       end if
       call self%add(key, group, name, doc, default, owner=owner)
    end subroutine schema_text

@@ -6,12 +6,13 @@
 !! per call; the call costs far less than the sines in it.
 module exact_solution
    use base_kinds, only: int64, wp
+   use base_matrix, only: determinant, inverse
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
    implicit none
    private
 
-   public :: determinant, exact_case_t, exact_holder_t, exact_t, inverse
+   public :: exact_case_t, exact_holder_t, exact_t
 
    !> An exact solution in one material.
    type, abstract :: exact_t
@@ -152,31 +153,4 @@ contains
       end if
       stress = [strain(1, 1), strain(2, 2), strain(3, 3), strain(1, 2), strain(2, 3), strain(1, 3)]
    end subroutine exact_stress
-
-   !> Determinant of a matrix.
-   pure real(wp) function determinant(a) result(volume)
-      real(wp), intent(in) :: a(3, 3)                !! Matrix
-
-      volume = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
-         - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
-   end function determinant
-
-   !> Inverse of a matrix.
-   pure function inverse(a) result(b)
-      real(wp), intent(in) :: a(3, 3)                !! Matrix, not singular
-      real(wp) :: b(3, 3)
-      integer :: k, l, k1, k2, l1, l2
-
-      do l = 1, 3
-         do k = 1, 3
-            ! the cofactor, with the indices that follow in cyclic order
-            k1 = mod(k, 3) + 1
-            k2 = mod(k + 1, 3) + 1
-            l1 = mod(l, 3) + 1
-            l2 = mod(l + 1, 3) + 1
-            b(k, l) = a(l1, k1)*a(l2, k2) - a(l1, k2)*a(l2, k1)
-         end do
-      end do
-      b = b/determinant(a)
-   end function inverse
 end module exact_solution

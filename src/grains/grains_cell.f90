@@ -6,7 +6,7 @@ module grains_cell
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
-   use grains_exchange, only: halo_t
+   use grains_exchange, only: grain_halo_t
    use grains_law, only: contact_law_t
    use grains_pairs, only: pairs_t
    use grains_state, only: grains_t
@@ -15,17 +15,17 @@ module grains_cell
    implicit none
    private
 
-   public :: cell_t, mean_t
+   public :: cell_t, interval_means_t
 
    !> Losses that are summed over pairs: dashpots, friction, length of the step.
    integer, parameter, public :: losses = 3
 
    !> Sums of stresses over time.
-   type :: mean_t
+   type :: interval_means_t
       real(wp) :: time = 0.0_wp                      !! Time interval of the means [s]
       real(wp) :: contact(9) = 0.0_wp !! Sum of forces times branch vectors, times dt [J s]
       real(wp) :: kinetic(9) = 0.0_wp                !! Sum of m u u, times dt [J s]
-   end type mean_t
+   end type interval_means_t
 
    !> The coordinates at which the current pairs were found.
    type :: reference_t
@@ -42,7 +42,7 @@ module grains_cell
       type(contact_law_t) :: law
       type(drive_t) :: drive
       type(pairs_t) :: pairs
-      type(halo_t) :: halo
+      type(grain_halo_t) :: halo
       type(reference_t) :: reference
       integer(int64) :: step = 0
       integer(int64) :: searches = 0                 !! Number of neighbour searches
@@ -58,7 +58,7 @@ module grains_cell
       real(wp) :: work = 0.0_wp                      !! Work of the stress on the cell so far [J]
       real(wp) :: lost_before(losses) = 0.0_wp       !! Losses before the energy balance [J]
       type(exact_sum_t) :: lost(losses)              !! By separated pairs, on this rank [J]
-      type(mean_t) :: mean                           !! Since the last row of the history
+      type(interval_means_t) :: mean                           !! Since the last row of the history
    contains
       procedure :: stress => cell_stress             !! Stress of sums
       procedure :: pressure => cell_pressure         !! Mean pressure

@@ -13,7 +13,7 @@ module grains_deck
    implicit none
    private
 
-   public :: check_grains, declare_grains, grains_memory, read_cell, require_grains
+   public :: check_grains, declare_grains, grains_memory, read_grains_cell, require_grains
 
    real(wp), parameter :: most_grains = 1.0e8_wp     !! As the key `number` allows
 
@@ -204,7 +204,7 @@ contains
    end function loosest
 
    !> Make the cell. The same on all ranks.
-   subroutine read_cell(deck, cell)
+   subroutine read_grains_cell(deck, cell)
       type(deck_t), intent(in) :: deck               !! Without errors
       type(cell_t), intent(inout) :: cell            !! With a communicator
       type(group_t) :: group, grains
@@ -229,7 +229,7 @@ contains
       call group%get("skin", skin)
       cell%skin = skin*cell%diameter
       call choose_step(grains, cell)
-   end subroutine read_cell
+   end subroutine read_grains_cell
 
    !> Read the contact law.
    subroutine read_law(grains, cell)

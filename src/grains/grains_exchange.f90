@@ -9,19 +9,19 @@ module grains_exchange
    implicit none
    private
 
-   public :: exchange_grains, first_row_of, gather_rows, halo_t, link_halo, own_rows, total_of
+   public :: exchange_grains, first_row_of, gather_rows, grain_halo_t, link_halo, own_rows, total_of
 
    integer, parameter :: grain_words = 12            !! Position, velocity, spin, force
 
    !> Rows that other ranks need, and rows of others that this rank needs, each rank by rank and
    !! ascending. Both ranks of a pair find the same lists.
-   type :: halo_t
+   type :: grain_halo_t
       integer, allocatable :: rank(:)                !! Ranks around
       integer, allocatable :: give_start(:)          !! (rank + 1) First index in `give`
       integer, allocatable :: give(:)                !! Own rows
       integer, allocatable :: take_start(:)          !! (rank + 1) First index in `take`
       integer, allocatable :: take(:)                !! Rows of others
-   end type halo_t
+   end type grain_halo_t
 
 contains
 
@@ -64,7 +64,7 @@ contains
       type(communicator_t), intent(in) :: communicator
       type(grains_t), intent(in) :: grains
       type(pairs_t), intent(in) :: pairs
-      type(halo_t), intent(out) :: halo
+      type(grain_halo_t), intent(out) :: halo
       logical, allocatable :: give(:), take(:)
       integer :: rank, pair, mine, other, first, last
 
@@ -114,7 +114,7 @@ contains
    !> Update positions, velocities and previous forces of the rows of other ranks. Collective.
    subroutine exchange_grains(communicator, halo, grains)
       type(communicator_t), intent(inout) :: communicator
-      type(halo_t), intent(in) :: halo
+      type(grain_halo_t), intent(in) :: halo
       type(grains_t), intent(inout) :: grains
       integer(int64), allocatable :: outgoing(:), incoming(:)
       integer, allocatable :: length(:)

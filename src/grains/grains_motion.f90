@@ -5,8 +5,8 @@
 !! Equations of doc/theory/grains.md.
 module grains_motion
    use base_kinds, only: wp
+   use base_matrix, only: inverse
    use grains_state, only: block_rows, grains_t
-   use mesh_box, only: inverse
    implicit none
    private
 

@@ -3,7 +3,7 @@
 module grains_output
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use grains_cell, only: cell_t, mean_t
+   use grains_cell, only: cell_t, interval_means_t
    use grains_measures, only: history_columns, history_values
    use grains_path, only: path_t
    use grains_probe, only: probe_cell, probe_columns
@@ -118,7 +118,7 @@ contains
 
       call history_values(cell, stage, self%energy_at_start, values)
       call self%history%row(cell%communicator, values, error)
-      cell%mean = mean_t()
+      cell%mean = interval_means_t()
    end subroutine output_row
 
    !> Write the grains and the contacts. Collective.

@@ -6,6 +6,7 @@
 !! Equations of doc/theory/grains.md.
 module grains_step
    use base_kinds, only: int64, wp
+   use base_matrix, only: inverse
    use base_sort, only: sort_order
    use grains_cell, only: cell_t, losses
    use grains_discs, only: push_discs, sum_discs
@@ -16,12 +17,11 @@ module grains_step
    use grains_pairs, only: dashpot_loss
    use grains_spheres, only: push_spheres, sum_spheres
    use grains_state, only: block_rows
-   use mesh_box, only: inverse
    use mesh_hilbert, only: hilbert_key
    implicit none
    private
 
-   public :: advance_cell, renew_pairs, servo_gradient, start_cell
+   public :: advance_cell, renew_pairs, servo_gradient, start_grains_cell
 
    real(wp), parameter :: sort_strain = 0.5_wp       !! Shear strain between two sorts of rows
    integer, parameter :: curve_cells = 1024          !! Cells of the curve along an edge
@@ -30,7 +30,7 @@ contains
 
    !> Find the pairs and the forces of the first state. The elastic energy of springs does not count
    !! as lost.
-   subroutine start_cell(cell)
+   subroutine start_grains_cell(cell)
       type(cell_t), intent(inout) :: cell
       real(wp) :: dt
 
@@ -42,7 +42,7 @@ contains
       call end_velocities(cell)
       cell%dt = dt
       call servo_gradient(cell)
-   end subroutine start_cell
+   end subroutine start_grains_cell
 
    !> Advance by a time step.
    subroutine advance_cell(cell)

@@ -10,7 +10,7 @@ module io_checkpoint
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
-   use base_field_worker, only: field_worker_t
+   use base_field_worker, only: field_reader_t
    use base_file, only: join_path, list_folder, longest_name, longest_path, remove_file
    use base_hash, only: add_hash, hash_integers, hash_reals, hash_text, mix
    use base_kinds, only: int64, wp
@@ -43,26 +43,24 @@ module io_checkpoint
    end type checkpoint_place_t
 
    !> Sums the bytes of the fields of a store.
-   type, extends(field_worker_t) :: measure_t
+   type, extends(field_reader_t) :: measure_t
       type(rows_t) :: rows                                !! Rows of the store
       integer(int64) :: bytes = 0                         !! Number of bytes of all fields so far
    contains
-      procedure :: scalar => measure_scalar               !! Count a scalar field
-      procedure :: vector => measure_vector               !! Count a vector or tensor field
-      procedure :: whole => measure_whole                 !! Count an integer field
+      procedure :: reals => measure_reals                 !! Count a field of real numbers
+      procedure :: integers => measure_integers           !! Count a field of integers
    end type measure_t
 
    !> Writes the fields of one store.
-   type, extends(field_worker_t) :: writer_t
+   type, extends(field_reader_t) :: writer_t
       type(hdf5_file_t) :: file
       character(len=:), allocatable :: store              !! Name of the material
       type(rows_t) :: rows                                !! Rows of this rank
       integer, allocatable :: order(:)                    !! Indices of the particles
       integer(int64), allocatable :: owners(:)            !! Row numbers, the owners in hashes
    contains
-      procedure :: scalar => writer_scalar                !! Write a scalar field
-      procedure :: vector => writer_vector                !! Write a vector or tensor field
-      procedure :: whole => writer_whole                  !! Write an integer field
+      procedure :: reals => writer_reals                  !! Write a field of real numbers
+      procedure :: integers => writer_integers            !! Write a field of integers
       procedure :: write_attributes => writer_write_attributes !! Write the attributes of a field
    end type writer_t
 
@@ -91,7 +89,7 @@ contains
    subroutine checkpoint_write(communicator, place, stores, state, error)
       type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place
-      type(store_t), intent(inout) :: stores(:)           !! Not changed
+      type(store_t), intent(in) :: stores(:)
       type(state_t), intent(in) :: state                  !! The same on all ranks
       type(error_t), allocatable, intent(out) :: error !! Not written; older checkpoints are intact
       type(writer_t) :: writer
@@ -114,7 +112,7 @@ contains
             writer%owners(row) = writer%rows%before(1) + row
          end do
          call writer%file%group("/particles/"//writer%store)
-         call stores(index)%walk(writer)
+         call stores(index)%show(writer)
       end do
       call write_state(writer%file, state)
       call writer%file%finish(error)
@@ -137,7 +135,7 @@ contains
    subroutine bound_size(communicator, place, stores, state, bytes)
       type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place       !! Texts
-      type(store_t), intent(inout) :: stores(:)           !! Not changed
+      type(store_t), intent(in) :: stores(:)
       type(state_t), intent(in) :: state                  !! Scalar data
       integer(int64), intent(out) :: bytes                !! Upper bound
       integer(int64), parameter :: heading = 16384, number = 8
@@ -147,7 +145,7 @@ contains
       measurer%bytes = heading
       do index = 1, size(stores)
          measurer%rows = rows_of_store(communicator, stores(index))
-         call stores(index)%walk(measurer)
+         call stores(index)%show(measurer)
          measurer%bytes = measurer%bytes + heading
       end do
       bytes = measurer%bytes
@@ -328,32 +326,13 @@ contains
       call self%file%attribute(name, "check", whole(1))
    end subroutine writer_write_attributes
 
-   !> Write a scalar field. Collective.
-   subroutine writer_scalar(self, name, unit, values)
+   !> Write a field of real numbers. Collective.
+   subroutine writer_reals(self, name, unit, is_scalar, values)
       class(writer_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)   !! (particle), not changed
-      character(len=:), allocatable :: path
-      real(wp), allocatable :: rows(:)
-      integer :: row
-
-      allocate (rows(size(self%order)))
-      do row = 1, size(rows)
-         rows(row) = values(self%order(row))
-      end do
-      path = "/particles/"//self%store//"/"//name
-      call write_data(self%file, path, self%rows, rows)
-      call self%write_attributes(path, unit, hash_reals(field_key(self%store, name, 1), &
-         self%owners, rows))
-   end subroutine writer_scalar
-
-   !> Write a vector or tensor field. Collective.
-   subroutine writer_vector(self, name, unit, values)
-      class(writer_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
+      logical, intent(in) :: is_scalar                   !! One number a particle?
+      real(wp), contiguous, intent(in) :: values(:, :) !! (particle, component)
       character(len=:), allocatable :: path
       real(wp), allocatable :: column(:), rows(:, :)
       integer(int64) :: check
@@ -370,16 +349,20 @@ contains
             column))
       end do
       path = "/particles/"//self%store//"/"//name
-      call write_data(self%file, path, self%rows, rows)
+      if (is_scalar) then
+         call write_data(self%file, path, self%rows, column)
+      else
+         call write_data(self%file, path, self%rows, rows)
+      end if
       call self%write_attributes(path, unit, check)
-   end subroutine writer_vector
+   end subroutine writer_reals
 
-   !> Write an integer field. Collective.
-   subroutine writer_whole(self, name, unit, values)
+   !> Write a field of integers. Collective.
+   subroutine writer_integers(self, name, unit, values)
       class(writer_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
       character(len=:), allocatable :: path
       integer(int64), allocatable :: rows(:)
       integer :: row
@@ -392,35 +375,26 @@ contains
       call write_data(self%file, path, self%rows, rows)
       call self%write_attributes(path, unit, hash_integers(field_key(self%store, name, 1), &
          self%owners, rows))
-   end subroutine writer_whole
+   end subroutine writer_integers
 
-   !> Count a scalar field.
-   subroutine measure_scalar(self, name, unit, values)
+   !> Count a field of real numbers.
+   subroutine measure_reals(self, name, unit, is_scalar, values)
       class(measure_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)   !! (particle), not changed
-
-      self%bytes = self%bytes + data_bytes(self%rows, 8_int64)
-   end subroutine measure_scalar
-
-   !> Count a vector or tensor field.
-   subroutine measure_vector(self, name, unit, values)
-      class(measure_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
+      logical, intent(in) :: is_scalar                   !! One number a particle?
+      real(wp), contiguous, intent(in) :: values(:, :) !! (particle, component)
 
       self%bytes = self%bytes + data_bytes(self%rows, 8_int64*size(values, 2))
-   end subroutine measure_vector
+   end subroutine measure_reals
 
-   !> Count an integer field.
-   subroutine measure_whole(self, name, unit, values)
+   !> Count a field of integers.
+   subroutine measure_integers(self, name, unit, values)
       class(measure_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
 
       self%bytes = self%bytes + data_bytes(self%rows, 8_int64)
-   end subroutine measure_whole
+   end subroutine measure_integers
 end module io_checkpoint

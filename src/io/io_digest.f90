@@ -8,7 +8,7 @@ module io_digest
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t
-   use base_field_worker, only: field_worker_t
+   use base_field_worker, only: field_reader_t
    use base_hash, only: add_hash, digest_text, hash_integers, hash_reals, hash_text, mix
    use base_kinds, only: int64, wp
    use io_hdf5_read, only: data_info_t, hdf5_source_t
@@ -25,15 +25,14 @@ module io_digest
    integer, parameter :: block_rows = 65536              !! Rows read together
 
    !> Hashes the fields of one store.
-   type, extends(field_worker_t) :: digester_t
+   type, extends(field_reader_t) :: digester_t
       character(len=:), allocatable :: store             !! Name of the material
       integer, allocatable :: order(:)                   !! Indices of the particles
       integer(int64), allocatable :: owners(:)           !! Identities of the particles
       integer(int64) :: sum = 0_int64                    !! Sum of all hashes
    contains
-      procedure :: scalar => digester_scalar             !! Hash a scalar field
-      procedure :: vector => digester_vector             !! Hash a vector or tensor field
-      procedure :: whole => digester_whole               !! Hash an integer field
+      procedure :: reals => digester_reals               !! Hash a field of real numbers
+      procedure :: integers => digester_integers         !! Hash a field of integers
    end type digester_t
 
 contains
@@ -51,7 +50,7 @@ contains
    !> Digest of a state in memory. Collective.
    function state_digest(communicator, stores, state) result(digest)
       type(communicator_t), intent(in) :: communicator
-      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(store_t), intent(in) :: stores(:)
       type(state_t), intent(in) :: state                 !! Step and time
       character(len=16) :: digest
       type(digester_t) :: digester
@@ -61,7 +60,7 @@ contains
          digester%store = stores(index)%name
          call tile_order(stores(index), digester%order)
          call gather_values(stores(index)%identity, digester%order, digester%owners)
-         call stores(index)%walk(digester)
+         call stores(index)%show(digester)
       end do
       digest = digest_of(communicator, digester%sum, state%step, state%time)
    end function state_digest
@@ -218,28 +217,13 @@ contains
       end do
    end subroutine gather_values
 
-   !> Hash a scalar field.
-   subroutine digester_scalar(self, name, unit, values)
+   !> Hash a field of real numbers.
+   subroutine digester_reals(self, name, unit, is_scalar, values)
       class(digester_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
-      real(wp), allocatable :: column(:)
-      integer :: index
-
-      allocate (column(size(self%order)))
-      do index = 1, size(column)
-         column(index) = values(self%order(index))
-      end do
-      self%sum = add_hash(self%sum, hash_reals(field_key(self%store, name, 1), self%owners, column))
-   end subroutine digester_scalar
-
-   !> Hash a vector or tensor field.
-   subroutine digester_vector(self, name, unit, values)
-      class(digester_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
+      logical, intent(in) :: is_scalar                   !! One number a particle?
+      real(wp), contiguous, intent(in) :: values(:, :) !! (particle, component)
       real(wp), allocatable :: column(:)
       integer :: component, index
 
@@ -251,18 +235,18 @@ contains
          self%sum = add_hash(self%sum, hash_reals(field_key(self%store, name, component), &
             self%owners, column))
       end do
-   end subroutine digester_vector
+   end subroutine digester_reals
 
-   !> Hash an integer field.
-   subroutine digester_whole(self, name, unit, values)
+   !> Hash a field of integers.
+   subroutine digester_integers(self, name, unit, values)
       class(digester_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
       integer(int64), allocatable :: column(:)
 
       call gather_values(values, self%order, column)
       self%sum = add_hash(self%sum, hash_integers(field_key(self%store, name, 1), self%owners, &
          column))
-   end subroutine digester_whole
+   end subroutine digester_integers
 end module io_digest

@@ -47,7 +47,7 @@ contains
       character(len=*), intent(in) :: path
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(mean_t), intent(in) :: means(:)               !! Means to write
       type(snapshot_format_t), intent(in) :: format      !! How, and of which particles
       type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
@@ -158,7 +158,7 @@ contains
    !> Means of one field over the particles of each cell.
    subroutine cell_means(grid, stores, picks, cells, mean, values)
       type(grid_t), intent(in) :: grid
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(cells_t), intent(in) :: cells                 !! Their cells
       type(mean_t), intent(in) :: mean

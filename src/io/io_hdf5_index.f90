@@ -16,7 +16,7 @@ module io_hdf5_index
    implicit none
    private
 
-   public :: read_snapshot, snapshot_info_t, write_index
+   public :: read_snapshot_info, snapshot_info_t, write_index
 
    character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
 
@@ -31,7 +31,7 @@ module io_hdf5_index
 contains
 
    !> Read the contents of a snapshot.
-   subroutine read_snapshot(path, info, error, of_grid)
+   subroutine read_snapshot_info(path, info, error, of_grid)
       character(len=*), intent(in) :: path
       type(snapshot_info_t), intent(out) :: info
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -61,7 +61,7 @@ contains
       if (info%points >= 0 .and. abs(info%time) <= huge(1.0_wp)) return
       call fail(error, exit_file, &
          path//" is damaged: its time is not finite or its number of particles is negative [F108]")
-   end subroutine read_snapshot
+   end subroutine read_snapshot_info
 
    !> Write the index of a series. Fields that not all snapshots have are left out.
    subroutine write_index(path, steps, error)

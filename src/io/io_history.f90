@@ -7,8 +7,7 @@ module io_history
    use base_error, only: error_t, exit_file, fail
    use base_file, only: file_exists, output_file_t, read_file, write_file
    use base_kinds, only: int64, wp
-   use base_number_text, only: integer_text, real_text
-   use base_text, only: buffer_t
+   use base_text, only: buffer_t, exponent_text, number
    use deck_units, only: output_units_t
    use io_table_rows, only: add_to_mark, keep_rows, mark_size
    implicit none
@@ -177,9 +176,9 @@ contains
       do column = 1, size(values)
          if (column > 1) line = line//","
          if (self%whole(before + column)) then
-            line = line//integer_text(nint(values(column), int64))
+            line = line//number(nint(values(column), int64))
          else
-            line = line//real_text(self%units%shown(values(column), &
+            line = line//exponent_text(self%units%shown(values(column), &
                trim(self%unit(before + column))))
          end if
       end do

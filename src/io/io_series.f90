@@ -7,8 +7,8 @@ module io_series
    use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_file, only: join_path, list_folder, longest_name, name_of, write_file
-   use base_number_text, only: real_text
-   use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
+   use base_text, only: exponent_text
+   use io_hdf5_index, only: read_snapshot_info, snapshot_info_t, write_index
    use io_summary, only: json_quoted
    implicit none
    private
@@ -81,7 +81,7 @@ contains
             cycle
          if (.not. comes_before(join_path(series%folder, trim(names(index))), &
             series%path(next_number))) cycle
-         call read_snapshot(join_path(series%folder, trim(names(index))), info, error, &
+         call read_snapshot_info(join_path(series%folder, trim(names(index))), info, error, &
             series%of_grids)
          if (allocated(error)) then
             note = note//error%message//new_line("a")
@@ -122,7 +122,7 @@ contains
       integer :: count
 
       if (communicator%rank == 0) then
-         call read_snapshot(path, info, error, self%of_grids)
+         call read_snapshot_info(path, info, error, self%of_grids)
          if (.not. allocated(error)) then
             call append(self%steps, info)
             count = size(self%steps)
@@ -181,7 +181,7 @@ contains
       do step = 1, size(steps)
          if (step > 1) text = text//","
          text = text//new_line("a")//"    {""name"": "//json_quoted(name_of(steps(step)%path))// &
-            ", ""time"": "//real_text(steps(step)%time)//"}"
+            ", ""time"": "//exponent_text(steps(step)%time)//"}"
       end do
       text = text//new_line("a")//"  ]"//new_line("a")//"}"//new_line("a")
    end function series_text

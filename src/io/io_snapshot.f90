@@ -75,7 +75,7 @@ contains
    subroutine snapshot_write(communicator, path, stores, fields, format, header, error, labels)
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       character(len=*), intent(in) :: fields(:)          !! Fields to write, ["default"]
       type(snapshot_format_t), intent(in) :: format      !! Format of the file
       type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
@@ -230,7 +230,7 @@ contains
    !> Write one field.
    subroutine write_column(file, stores, picks, rows, column, single, units)
       type(hdf5_file_t), intent(inout) :: file
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(rows_t), intent(in) :: rows                   !! Rows of the particles
       type(column_t), intent(in) :: column

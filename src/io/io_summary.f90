@@ -4,7 +4,7 @@ module io_summary
    use base_error, only: error_t
    use base_file, only: write_file
    use base_kinds, only: int32, int64, wp
-   use base_number_text, only: integer_text, real_text
+   use base_text, only: exponent_text, number
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    implicit none
    private
@@ -63,7 +63,7 @@ contains
       character(len=:), allocatable :: text
 
       text = "null"
-      if (ieee_is_finite(number)) text = real_text(number)
+      if (ieee_is_finite(number)) text = exponent_text(number)
    end function number_text
 
    !> Add a member whose value is JSON text.
@@ -146,7 +146,7 @@ contains
       character(len=*), intent(in) :: name               !! Name of the member
       integer(int64), intent(in) :: value                !! Value
 
-      call self%add_raw(name, integer_text(value))
+      call self%add_raw(name, number(value))
    end subroutine add_integer
 
    !> Add a 32-bit integer.
@@ -155,7 +155,7 @@ contains
       character(len=*), intent(in) :: name               !! Name of the member
       integer(int32), intent(in) :: value                !! Value
 
-      call self%add_raw(name, integer_text(int(value, int64)))
+      call self%add_raw(name, number(value))
    end subroutine add_short
 
    !> Add a condition.

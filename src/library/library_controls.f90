@@ -5,7 +5,7 @@ module library_controls
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
    use base_text, only: number
-   use mesh_boundary, only: face_names
+   use mesh_boundary_walls, only: face_names
    use mesh_motion, only: motion_t
    use mesh_surface_load, only: surface_load_t
    use mesh_wall, only: wall_t

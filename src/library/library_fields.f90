@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Fields of particles for an external caller: their names, and direct access to their memory.
 module library_fields
-   use base_field_worker, only: field_worker_t
+   use base_field_worker, only: field_reader_t, field_worker_t
    use base_kinds, only: int64, wp
    use base_text, only: number
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_null_ptr, c_ptr
@@ -36,24 +36,23 @@ module library_fields
    end type finder_t
 
    !> Lists the fields, one per line: name, unit, components, 1 for integers, 1 if writable.
-   type, extends(field_worker_t) :: lister_t
+   type, extends(field_reader_t) :: lister_t
       character(len=:), allocatable :: text            !! Lines so far
    contains
-      procedure :: scalar => lister_scalar             !! Real numbers
-      procedure :: vector => lister_vector             !! Vectors and tensors
-      procedure :: whole => lister_whole               !! Integers
+      procedure :: reals => lister_reals               !! Real numbers
+      procedure :: integers => lister_integers         !! Integers
    end type lister_t
 
 contains
 
    !> The fields of a store, one per line: name, unit, components, 1 for integers, 1 if writable.
    function field_list(store) result(text)
-      type(store_t), intent(inout) :: store            !! Not changed
+      type(store_t), intent(in) :: store
       character(len=:), allocatable :: text
       type(lister_t) :: lister
 
       lister%text = ""
-      call store%walk(lister)
+      call store%show(lister)
       text = lister%text
    end function field_list
 
@@ -141,32 +140,24 @@ contains
          stride=size(values, kind=c_int64_t), whole=1_c_int, writable=is_writable(name))
    end subroutine finder_whole
 
-   subroutine lister_scalar(self, name, unit, values)
+   subroutine lister_reals(self, name, unit, is_scalar, values)
       class(lister_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)
-
-      call add_line(self%text, name, unit, 1, 0)
-   end subroutine lister_scalar
-
-   subroutine lister_vector(self, name, unit, values)
-      class(lister_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :)
+      logical, intent(in) :: is_scalar                   !! One number a particle?
+      real(wp), contiguous, intent(in) :: values(:, :) !! (particle, component)
 
       call add_line(self%text, name, unit, size(values, 2), 0)
-   end subroutine lister_vector
+   end subroutine lister_reals
 
-   subroutine lister_whole(self, name, unit, values)
+   subroutine lister_integers(self, name, unit, values)
       class(lister_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:)
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
 
       call add_line(self%text, name, unit, 1, 1)
-   end subroutine lister_whole
+   end subroutine lister_integers
 
    !> Add the line of a field.
    pure subroutine add_line(text, name, unit, components, whole)

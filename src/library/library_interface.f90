@@ -20,14 +20,14 @@ module library_interface
 
    public :: scree_checkpoint, scree_close, scree_control, scree_end_messages, scree_field, &
       scree_finish, scree_open, scree_output, scree_state, scree_step, scree_steer, scree_text, &
-      state_t
+      run_state_t
 
    !> Texts that `scree_text` gives.
    integer(c_int), parameter, public :: text_message = 0, text_folder = 1, text_case = 2, &
       text_reason = 3, text_controls = 4, text_store = 5, text_fields = 6
 
    !> State of a simulation between calls.
-   type, bind(c) :: state_t
+   type, bind(c) :: run_state_t
       real(c_double) :: time = 0                     !! [s]
       real(c_double) :: dt = 0                       !! Length of the last time step [s]
       real(c_double) :: dt_next = 0                  !! Next stable step [s]
@@ -42,7 +42,7 @@ module library_interface
       integer(c_int) :: running = 0                  !! 1 until `scree_finish` or an error
       integer(c_int) :: finished = 0                 !! 1 = the run is finished
       integer(c_int) :: began_messages = 0           !! 1 = this simulation started MPI
-   end type state_t
+   end type run_state_t
 
    !> What a handle points to. It is small and never freed, so that a handle that was closed is
    !! recognised, and so is, almost certainly, an address of anything else.
@@ -93,7 +93,7 @@ contains
    !> State of a simulation.
    integer(c_int) function scree_state(handle, state) bind(c) result(code)
       type(c_ptr), value, intent(in) :: handle
-      type(state_t), intent(out) :: state
+      type(run_state_t), intent(out) :: state
       type(library_session_t), pointer :: session
 
       code = exit_internal
@@ -138,7 +138,7 @@ contains
 
    !> The text of `scree_text`; empty if there is none.
    function answer(session, what, place) result(text)
-      type(library_session_t), intent(inout) :: session !! Not changed
+      type(library_session_t), intent(in) :: session
       integer, intent(in) :: what                    !! One of the constants `text_`
       integer, intent(in) :: place                   !! Store, from 1
       character(len=:), allocatable :: text

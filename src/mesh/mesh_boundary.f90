@@ -5,13 +5,13 @@ module mesh_boundary
    use base_kinds, only: wp
    use mesh_boundary_condition, only: inward_sign, normal_direction
    use mesh_boundary_nodes, only: boundary_nodes, has_boundary_nodes
-   use mesh_boundary_walls, only: boundary_walls_t, face_names
+   use mesh_boundary_walls, only: boundary_walls_t
    use mesh_grid, only: grid_t
    use mesh_wall, only: node_place
    implicit none
    private
 
-   public :: boundary_t, face_names
+   public :: boundary_t
 
    !> The conditions on the boundaries.
    type, extends(boundary_walls_t) :: boundary_t

@@ -7,10 +7,11 @@
 !! the other side.
 module mesh_box
    use base_kinds, only: wp
+   use base_matrix, only: determinant, inverse
    implicit none
    private
 
-   public :: box_t, determinant, inverse
+   public :: box_t
 
    !> The cell. In two dimensions it is 1 m thick and the third edge never changes.
    type :: box_t
@@ -91,31 +92,4 @@ contains
          end do
       end do
    end subroutine box_reduce
-
-   !> Determinant of a matrix.
-   pure real(wp) function determinant(matrix) result(value)
-      real(wp), intent(in) :: matrix(3, 3)           !! Any matrix
-
-      value = matrix(1, 1)*(matrix(2, 2)*matrix(3, 3) - matrix(2, 3)*matrix(3, 2)) &
-         - matrix(1, 2)*(matrix(2, 1)*matrix(3, 3) - matrix(2, 3)*matrix(3, 1)) &
-         + matrix(1, 3)*(matrix(2, 1)*matrix(3, 2) - matrix(2, 2)*matrix(3, 1))
-   end function determinant
-
-   !> Inverse of a matrix that has one.
-   pure function inverse(matrix) result(dual)
-      real(wp), intent(in) :: matrix(3, 3)           !! Matrix with a determinant that is not 0
-      real(wp) :: dual(3, 3)
-      integer :: i, j, i1, i2, j1, j2
-
-      do j = 1, 3
-         j1 = mod(j, 3) + 1
-         j2 = mod(j + 1, 3) + 1
-         do i = 1, 3
-            i1 = mod(i, 3) + 1
-            i2 = mod(i + 1, 3) + 1
-            dual(j, i) = matrix(i1, j1)*matrix(i2, j2) - matrix(i1, j2)*matrix(i2, j1)
-         end do
-      end do
-      dual = dual/determinant(matrix)
-   end function inverse
 end module mesh_box

@@ -7,7 +7,8 @@
 !! (B.1) of doc/theory/moving_cell.md.
 module mesh_moving_cell
    use base_kinds, only: wp
-   use mesh_box, only: box_t, inverse
+   use base_matrix, only: inverse
+   use mesh_box, only: box_t
    use mesh_drive, only: drive_t
    implicit none
    private

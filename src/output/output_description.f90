@@ -6,9 +6,9 @@ module output_description
    use deck_reader, only: deck_t, group_t
    use deck_units, only: system_number, system_si
    use io_checkpoint, only: checkpoint_place_t
-   use mesh_boundary, only: face_names
+   use mesh_boundary_walls, only: face_names
    use output_streams, only: outputs_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use step_simulation, only: simulation_t
    implicit none
    private

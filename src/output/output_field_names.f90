@@ -33,7 +33,7 @@ contains
    subroutine read_fields(group, deck, simulation, stream, fields)
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Its stores hold the fields; not changed
+      type(simulation_t), intent(in) :: simulation   !! Its stores hold the fields
       class(stream_t), intent(in) :: stream          !! Word of the kind of output
       character(len=field_length), allocatable, intent(out) :: fields(:) !! Names, or "default"
       character(len=field_length), allocatable :: names(:)

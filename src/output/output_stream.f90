@@ -39,6 +39,7 @@ module output_stream
       procedure :: has_series => stream_has_series   !! Is there a file for each time?
       procedure :: always_named => stream_always_named !! Does its file always have its name?
       procedure :: default_count => stream_default_count !! Outputs of a run without &output
+      procedure :: request_sums => stream_request_sums !! Let the simulation sum what it shows
       procedure :: read_default => stream_read_default !! Content in a run without &output
       procedure :: try_field => stream_try_field     !! Can a field be written?
       procedure :: offer_fragments => stream_offer_fragments !! Define the field `fragment`
@@ -80,7 +81,7 @@ module output_stream
          class(stream_t), intent(inout) :: self
          type(group_t), intent(in) :: group          !! Group &output
          type(deck_t), intent(inout) :: deck         !! Collects errors
-         type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+         type(simulation_t), intent(in) :: simulation !! With fields, for the names
          type(named_shape_t), intent(in) :: shapes(:)
       end subroutine read_i
 
@@ -177,6 +178,12 @@ contains
       number = 0
    end function stream_default_count
 
+   !> Request sums over the nodes of each step. Most streams need none.
+   subroutine stream_request_sums(self, simulation)
+      class(stream_t), intent(in) :: self
+      type(simulation_t), intent(inout) :: simulation
+   end subroutine stream_request_sums
+
    !> Set the content of a stream of a run without &output.
    subroutine stream_read_default(self, simulation)
       class(stream_t), intent(inout) :: self
@@ -188,7 +195,7 @@ contains
       class(stream_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Grid, gravity, exact solution
-      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)         !! Particles
       type(error_t), allocatable, intent(out) :: error !! The field cannot be written
    end subroutine stream_try_field
 

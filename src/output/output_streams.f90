@@ -46,7 +46,7 @@ contains
    subroutine outputs_plan(self, deck, simulation, shapes, time_end)
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
+      type(simulation_t), intent(inout) :: simulation !! Gets the sums that streams request
       type(named_shape_t), intent(in) :: shapes(:)
       real(wp), intent(in) :: time_end               !! End of the run [s]
       type(stream_holder_t) :: next
@@ -62,6 +62,7 @@ contains
          if (.not. allocated(next%item)) cycle
          next%item%place = n
          call next%item%read(group, deck, simulation, shapes)
+         call next%item%request_sums(simulation)
          alike = merge(2, 1, next%item%always_named())
          do earlier = 1, size(self%streams)
             associate (other => self%streams(earlier)%item)

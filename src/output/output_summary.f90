@@ -200,8 +200,8 @@ contains
       total = 0
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
-            total = total + 8_int64*store%words()*size(store%identity) &
-               + 4_int64*(size(store%home) + size(store%cell_start))
+            total = total + int(store%bytes(), int64)*size(store%identity) &
+               + 4_int64*size(store%cell_start)
          end associate
       end do
       do index = 1, size(simulation%fields)

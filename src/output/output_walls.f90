@@ -6,7 +6,8 @@ module output_walls
    use base_file, only: join_path
    use base_kinds, only: wp
    use io_walls, only: never, walls_t, walls_write
-   use mesh_boundary, only: boundary_t, face_names
+   use mesh_boundary, only: boundary_t
+   use mesh_boundary_walls, only: face_names
    use mesh_grid, only: grid_t
    use mesh_surface_cut, only: cut_surface
    use mesh_wall, only: wall_t

@@ -54,7 +54,7 @@ contains
       class(stream_cell_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation
+      type(simulation_t), intent(in) :: simulation
       type(named_shape_t), intent(in) :: shapes(:)   !! Unused
 
       if (.not. allocated(simulation%space%cell)) call deck%add_error(group, &

@@ -10,7 +10,7 @@ module stream_forces
    use base_text, only: append, closest, text_t
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: schema_t
-   use mesh_boundary, only: face_names
+   use mesh_boundary_walls, only: face_names
    use mesh_wall, only: wall_t
    use mesh_wall_sums, only: wall_entries
    use output_table_stream, only: heading_length, table_stream_t
@@ -38,6 +38,7 @@ module stream_forces
       procedure :: ending => forces_ending           !! Suffix of file names
       procedure :: declare => forces_declare         !! Keys
       procedure :: read => forces_read               !! Read the keys
+      procedure :: request_sums => forces_request_sums !! Sum the forces in the ledger
       procedure :: list_columns => forces_list_columns !! Names of columns
       procedure :: write_rows => forces_write_rows   !! Write a row
       procedure :: counters => forces_counters       !! With the sums of the last row
@@ -77,12 +78,12 @@ contains
       call schema%refer("output", "contacts", "body")
    end subroutine forces_declare
 
-   !> Read the keys of the kind. Forces are summed from now on.
+   !> Read the keys of the kind.
    subroutine forces_read(self, group, deck, simulation, shapes)
       class(stream_forces_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Its ledger gets the sums
+      type(simulation_t), intent(in) :: simulation
       type(named_shape_t), intent(in) :: shapes(:)   !! Unused
       type(text_t), allocatable :: wanted(:), known(:), bodies(:)
       integer, allocatable :: place(:)
@@ -113,8 +114,15 @@ contains
       end do
       if (size(bodies) > 0) call read_contacts(self, group, deck, simulation, bodies)
       allocate (self%last(wall_entries, size(self%name)), source=0.0_wp)
-      call simulation%balance%ledger%walls%start(size(self%weight, 1))
    end subroutine forces_read
+
+   !> Let the ledger sum the forces from now on.
+   subroutine forces_request_sums(self, simulation)
+      class(stream_forces_t), intent(in) :: self
+      type(simulation_t), intent(inout) :: simulation
+
+      call simulation%balance%ledger%walls%start(size(self%weight, 1))
+   end subroutine forces_request_sums
 
    !> Rows of the sums of forces: walls, and pairs of velocity fields.
    pure integer function number_of_rows(simulation) result(rows)

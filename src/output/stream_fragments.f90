@@ -69,7 +69,7 @@ contains
       class(stream_fragments_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Unused
+      type(simulation_t), intent(in) :: simulation   !! Unused
       type(named_shape_t), intent(in) :: shapes(:)
       character(len=:), allocatable :: word
       real(wp) :: velocity_cut

@@ -74,7 +74,7 @@ contains
       class(stream_grid_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
+      type(simulation_t), intent(in) :: simulation   !! Read for the names of fields
       type(named_shape_t), intent(in) :: shapes(:)
       type(error_t), allocatable :: error
 
@@ -92,7 +92,7 @@ contains
       class(stream_grid_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Unused
-      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)         !! Particles
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 

@@ -67,7 +67,7 @@ contains
       class(stream_history_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
+      type(simulation_t), intent(in) :: simulation   !! Read for the names of fields
       type(named_shape_t), intent(in) :: shapes(:)
       character(len=field_length), allocatable :: fields(:)
       type(error_t), allocatable :: error
@@ -109,7 +109,7 @@ contains
       class(stream_history_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Grid, gravity, exact solution
-      type(store_t), intent(inout) :: stores(:)      !! Unused
+      type(store_t), intent(in) :: stores(:)         !! Unused
       type(error_t), allocatable, intent(out) :: error !! There is no such column
       type(history_columns_t) :: columns
 

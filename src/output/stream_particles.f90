@@ -74,7 +74,7 @@ contains
       class(stream_particles_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
+      type(simulation_t), intent(in) :: simulation   !! Read for the names of fields
       type(named_shape_t), intent(in) :: shapes(:)
 
       call read_fields(group, deck, simulation, self, self%fields)
@@ -103,7 +103,7 @@ contains
       class(stream_particles_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Unused
-      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)         !! Particles
       type(error_t), allocatable, intent(out) :: error !! The field cannot be written
       type(column_t), allocatable :: columns(:)
 

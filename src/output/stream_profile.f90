@@ -71,7 +71,7 @@ contains
       class(stream_profile_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! For the names of its fields; not changed
+      type(simulation_t), intent(in) :: simulation   !! For the names of its fields
       type(named_shape_t), intent(in) :: shapes(:)
       character(len=field_length), allocatable :: fields(:)
       type(error_t), allocatable :: error
@@ -96,7 +96,7 @@ contains
       class(stream_profile_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Unused
-      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)         !! Particles
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 

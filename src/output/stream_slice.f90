@@ -61,7 +61,7 @@ contains
       class(stream_slice_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
+      type(simulation_t), intent(in) :: simulation   !! Read for the names of fields
       type(named_shape_t), intent(in) :: shapes(:)
 
       call self%stream_particles_t%read(group, deck, simulation, shapes)

@@ -14,7 +14,7 @@ module particle_fill
    implicit none
    private
 
-   public :: body_t, count_sites, fill_bodies, site_volume
+   public :: count_sites, fill_bodies, site_volume
 
 contains
 

@@ -85,7 +85,7 @@ contains
             if (allocated(packer%rows)) deallocate (packer%rows)
             allocate (packer%rows(stores(index)%words(), n))
             packer%word = 0
-            if (n > 0) call stores(index)%walk(packer)
+            if (n > 0) call stores(index)%show(packer)
             allocate (come%key(n), come%cell(n))
             call find_destinations(grid, boundary, stores(index)%position, packer%particle, come)
             if (present(fed)) call append_fed(grid, boundary, fed, index, packer%rows, come)

@@ -10,7 +10,7 @@ module particle_shape
    implicit none
    private
 
-   public :: box, combine, cylinder, rotation_matrix, sphere, transform_point
+   public :: box, combine_shapes, cylinder, rotation_matrix, sphere, transform_point
 
    integer, parameter, public :: set_union = 1        !! Points in any operand
    integer, parameter, public :: set_difference = 2   !! Points in the first operand alone
@@ -40,7 +40,7 @@ module particle_shape
    end type shape_holder_t
 
    !> A box, half-open along its edges, so that adjacent boxes have no common point.
-   type, extends(shape_t), public :: box_t
+   type, extends(shape_t), public :: cuboid_t
       private
       real(wp) :: lower(3) = 0.0_wp !! Lower corner, in local coordinates, inside [m]
       real(wp) :: upper(3) = 0.0_wp !! Upper corner, in local coordinates, outside [m]
@@ -52,7 +52,7 @@ module particle_shape
       procedure :: spans => box_spans                !! Does it surely contain a whole box?
       procedure :: bounds => box_bounds              !! A bounding box
       procedure :: transform => box_transform        !! Scale, rotate and translate
-   end type box_t
+   end type cuboid_t
 
    !> A ball without its surface.
    type, extends(shape_t), public :: sphere_t
@@ -103,7 +103,7 @@ module particle_shape
 contains
 
    !> Make a box with edges along the coordinates: lo <= x < hi.
-   pure type(box_t) function box(lo, hi) result(shape)
+   pure type(cuboid_t) function box(lo, hi) result(shape)
       real(wp), intent(in) :: lo(3)                  !! Lower corner, inside [m]
       real(wp), intent(in) :: hi(3)                  !! Upper corner, outside [m]
 
@@ -139,7 +139,7 @@ contains
    end function cylinder
 
    !> Make a set operation on copies of shapes. A difference subtracts all others from the first.
-   type(combination_t) function combine(kind, operands) result(shape)
+   type(combination_t) function combine_shapes(kind, operands) result(shape)
       integer, intent(in) :: kind                    !! set_union, set_difference, set_intersection
       type(shape_holder_t), intent(in) :: operands(:)
       integer :: number
@@ -150,7 +150,7 @@ contains
          if (.not. allocated(operands(number)%shape)) cycle
          call shape%operand(number)%set(operands(number)%shape)
       end do
-   end function combine
+   end function combine_shapes
 
    !> Scale, then rotate about x, then y, then z, all about the origin of coordinates, then
    !! translate.
@@ -269,7 +269,7 @@ contains
 
    !> True if a box along the coordinates contains all points of another one.
    pure logical function box_spans(self, low, high) result(spans)
-      class(box_t), intent(in) :: self
+      class(cuboid_t), intent(in) :: self
       real(wp), intent(in) :: low(3), high(3)        !! Corners [m]
 
       spans = .not. self%turned .and. all(low >= self%lower .and. high < self%upper)
@@ -287,7 +287,7 @@ contains
 
    !> True if a point is inside the box, without any tolerance.
    pure recursive logical function box_contains(self, x) result(inside)
-      class(box_t), intent(in) :: self
+      class(cuboid_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
       real(wp) :: own(3), offset(3)
       integer :: direction
@@ -304,7 +304,7 @@ contains
 
    !> A bounding box, exact up to rounding if the box is rotated.
    pure recursive subroutine box_bounds(self, lo, hi)
-      class(box_t), intent(in) :: self
+      class(cuboid_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
       real(wp) :: corner(3)
       integer :: number, direction
@@ -336,7 +336,7 @@ contains
    !! are stored in global coordinates, so that it is half-open there and adjacent boxes leave no
    !! gap.
    pure recursive subroutine box_transform(self, scale, rotation, translate)
-      class(box_t), intent(inout) :: self
+      class(cuboid_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Sorts the particles of a tile, with newcomers, by cell and then by identity.
 module particle_sort_tile
-   use base_field_worker, only: field_worker_t
+   use base_field_worker, only: field_reader_t, field_worker_t
    use base_kinds, only: int64, wp
    use particle_store, only: store_t
    implicit none
@@ -12,14 +12,13 @@ module particle_sort_tile
    integer, parameter, public :: many = 1000 !! Least number of particles for several threads
 
    !> Packs listed particles into rows of integers, with the bit patterns of reals.
-   type, extends(field_worker_t) :: row_packer_t
+   type, extends(field_reader_t) :: row_packer_t
       integer, allocatable :: particle(:)             !! (row) Index in the store
       integer(int64), allocatable :: rows(:, :)       !! (word, row)
       integer :: word = 0                             !! Words filled so far
    contains
-      procedure :: scalar => packer_scalar            !! Packs a scalar field
-      procedure :: vector => packer_vector            !! Packs a vector or tensor field
-      procedure :: whole => packer_whole              !! Packs an integer field
+      procedure :: reals => packer_reals              !! Packs a field of real numbers
+      procedure :: integers => packer_integers        !! Packs a field of integers
    end type row_packer_t
 
    !> Sorts the particles of one tile; scratch of one thread.
@@ -240,29 +239,13 @@ contains
       values(self%first:self%first + self%count - 1) = self%buffer(:self%count)
    end subroutine reorder_reals
 
-   !> Pack a scalar field, one word a row.
-   subroutine packer_scalar(self, name, unit, values)
-      class(row_packer_t), intent(inout) :: self      !! Rows and particles
+   !> Pack a field of real numbers, one word a component.
+   subroutine packer_reals(self, name, unit, is_scalar, values)
+      class(row_packer_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:) !! (particle)
-      integer :: row
-
-      self%word = self%word + 1
-      !$omp parallel do default(none) shared(self, values) private(row) &
-      !$omp if(size(self%particle) > many)
-      do row = 1, size(self%particle)
-         self%rows(self%word, row) = transfer(values(self%particle(row)), 0_int64)
-      end do
-      !$omp end parallel do
-   end subroutine packer_scalar
-
-   !> Pack a vector or tensor field, one word a component.
-   subroutine packer_vector(self, name, unit, values)
-      class(row_packer_t), intent(inout) :: self      !! Rows and particles
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
+      logical, intent(in) :: is_scalar                   !! One number a particle?
+      real(wp), contiguous, intent(in) :: values(:, :) !! (particle, component)
       integer :: row, component
 
       !$omp parallel do default(none) shared(self, values) private(row, component) &
@@ -275,19 +258,19 @@ contains
       end do
       !$omp end parallel do
       self%word = self%word + size(values, 2)
-   end subroutine packer_vector
+   end subroutine packer_reals
 
-   !> Pack an integer field, one word a row.
-   subroutine packer_whole(self, name, unit, values)
-      class(row_packer_t), intent(inout) :: self      !! Rows and particles
+   !> Pack a field of integers, one word a row.
+   subroutine packer_integers(self, name, unit, values)
+      class(row_packer_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
       integer :: row
 
       self%word = self%word + 1
       do row = 1, size(self%particle)
          self%rows(self%word, row) = values(self%particle(row))
       end do
-   end subroutine packer_whole
+   end subroutine packer_integers
 end module particle_sort_tile

@@ -4,7 +4,7 @@
 !! Each tile has a range of the arrays (particle_tile_ranges). In a range the particles are sorted
 !! by cell and within a cell by identity, so no sum depends on the order in which they arrived.
 module particle_store
-   use base_field_worker, only: field_worker_t
+   use base_field_worker, only: field_reader_t, field_worker_t
    use base_kinds, only: int64, wp
    use material_state, only: material_state_t
    use particle_tile_ranges, only: tile_ranges_t
@@ -64,7 +64,9 @@ module particle_store
       procedure :: start => store_start               !! Make an empty store
       procedure :: mark_all_leaving => store_mark_all_leaving !! All particles have left their tiles
       procedure :: walk => store_walk                 !! Pass each allocated field to a worker
+      procedure :: show => store_show                 !! Pass each allocated field to a reader
       procedure :: words => store_words               !! Words of 8 bytes of a particle
+      procedure :: bytes => store_bytes               !! Bytes of a particle
       procedure :: layout => store_layout             !! Give each tile a new range
       procedure :: pack => store_pack                 !! Leave no spare capacity between tiles
       procedure :: fits => store_fits                 !! Do new counts fit into the arrays?
@@ -72,12 +74,11 @@ module particle_store
    end type store_t
 
    !> Counts the words of one particle.
-   type, extends(field_worker_t) :: counter_t
+   type, extends(field_reader_t) :: counter_t
       integer :: words = 0                            !! Words of 8 bytes
    contains
-      procedure :: scalar => counter_scalar           !! One word
-      procedure :: vector => counter_vector           !! One word per component
-      procedure :: whole => counter_whole             !! One word
+      procedure :: reals => counter_reals             !! One word per component
+      procedure :: integers => counter_integers       !! One word
    end type counter_t
 
    !> Moves ranges of particles into new arrays.
@@ -151,14 +152,32 @@ contains
       call self%state%walk(worker)
    end subroutine store_walk
 
+   !> Pass every allocated field to a reader, in the same order.
+   subroutine store_show(self, reader)
+      class(store_t), target, intent(in) :: self
+      class(field_reader_t), intent(inout) :: reader  !! Reader that visits each field
+      class(store_t), pointer :: fields
+
+      ! the list of fields is that of `walk`; a reader gets each of them with intent(in)
+      fields => self
+      call fields%walk(reader)
+   end subroutine store_show
+
    !> Words of 8 bytes that a particle has.
    integer function store_words(self) result(words)
-      class(store_t), intent(inout) :: self
+      class(store_t), intent(in) :: self
       type(counter_t) :: counter
 
-      call self%walk(counter)
+      call self%show(counter)
       words = counter%words
    end function store_words
+
+   !> Bytes of a particle: all fields, and the index of its cell.
+   integer function store_bytes(self) result(bytes)
+      class(store_t), intent(in) :: self
+
+      bytes = 8*self%words() + storage_size(self%home)/8
+   end function store_bytes
 
    !> Give each tile a range with spare capacity for a new count, and move its particles there.
    subroutine store_layout(self, new_count)
@@ -227,32 +246,24 @@ contains
       call self%extend(new_count)
    end subroutine store_reserve
 
-   subroutine counter_scalar(self, name, unit, values)
+   subroutine counter_reals(self, name, unit, is_scalar, values)
       class(counter_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)
-
-      self%words = self%words + 1
-   end subroutine counter_scalar
-
-   subroutine counter_vector(self, name, unit, values)
-      class(counter_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :)
+      logical, intent(in) :: is_scalar                   !! One number a particle?
+      real(wp), contiguous, intent(in) :: values(:, :) !! (particle, component)
 
       self%words = self%words + size(values, 2)
-   end subroutine counter_vector
+   end subroutine counter_reals
 
-   subroutine counter_whole(self, name, unit, values)
+   subroutine counter_integers(self, name, unit, values)
       class(counter_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:)
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
 
       self%words = self%words + 1
-   end subroutine counter_whole
+   end subroutine counter_integers
 
    subroutine mover_scalar(self, name, unit, values)
       class(mover_t), intent(inout) :: self

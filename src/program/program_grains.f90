@@ -15,7 +15,7 @@ module program_grains
    use deck_units, only: system_number, system_si
    use grains_cell, only: cell_t
    use grains_checkpoint, only: cell_hash, save_cell
-   use grains_deck, only: check_grains, grains_memory, read_cell
+   use grains_deck, only: check_grains, grains_memory, read_grains_cell
    use grains_measures, only: energy_t, find_energy
    use grains_output, only: grains_output_t
    use grains_path, only: check_lengths, path_t, read_stages
@@ -67,7 +67,7 @@ contains
       most_threads = omp_get_max_threads()
       call set_output_units(setup%deck)
       run%cell%communicator = setup%simulation%machine%communicator
-      call read_cell(setup%deck, run%cell)
+      call read_grains_cell(setup%deck, run%cell)
       call read_stages(setup%deck, run%cell, run%cell%law%friction, run%path)
       call check_lengths(setup%deck, run%path, run%cell%dt)
       call setup%deck%verdict(error)

@@ -13,7 +13,7 @@ module program_grains_loop
    use grains_output, only: grains_output_t
    use grains_pairs, only: overlap
    use grains_path, only: path_t
-   use grains_step, only: advance_cell, servo_gradient, start_cell
+   use grains_step, only: advance_cell, servo_gradient, start_grains_cell
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_checkpoint, only: checkpoint_place_t, checkpoint_write
    use io_lock, only: lock_t
@@ -58,7 +58,7 @@ contains
 
       run%note = ""
       call enter_stage(run)
-      call start_cell(run%cell)
+      call start_grains_cell(run%cell)
       call find_energy(run%cell, energy)
       run%cell%lost_before = energy%lost
       call find_energy(run%cell, energy)

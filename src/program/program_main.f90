@@ -20,7 +20,7 @@ module program_main
    use run_cost_report, only: cost_report, memory_bytes
    use run_existing_results, only: existing_results_text
    use run_material_point, only: drive_point
-   use run_memory, only: end_without_memory, memory_suffices
+   use run_memory, only: memory_suffices
    use run_resume_command, only: program_arguments
    use run_setup, only: a_grain_cell, a_material_point, a_scene, declare_deck_keys
    use run_signals, only: ignore_file_size_limit
@@ -31,7 +31,7 @@ module program_main
    implicit none
    private
 
-   public :: end_without_memory, run_program
+   public :: run_program
 
 contains
 

@@ -94,7 +94,7 @@ contains
 
    !> Digest of the present state. Collective.
    function digest_of(run) result(digest)
-      type(run_t), intent(inout) :: run      !! Not changed
+      type(run_t), intent(in) :: run
       character(len=16) :: digest
       type(state_t) :: state
 

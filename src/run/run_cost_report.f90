@@ -6,7 +6,7 @@ module run_cost_report
    use base_text, only: brief, number, size_text
    use material_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use particle_joined, only: find_joined, joined_t
    use run_expected_steps, only: expected_steps, find_first_step
    use run_limits, only: limits_t
@@ -203,35 +203,24 @@ contains
    end function fields_text
 
    !> Bytes of a particle for the fields that do not depend on its material.
-   pure integer function base_bytes(simulation) result(bytes)
+   integer function base_bytes(simulation) result(bytes)
       type(simulation_t), intent(in) :: simulation
+      type(field_requests_t) :: requests
 
-      bytes = 8*7 + 4
-      associate (store => simulation%stores(1))
-         if (allocated(store%body)) bytes = bytes + 8
-         if (allocated(store%extent)) bytes = bytes + 24
-         if (allocated(store%domain)) bytes = bytes + 72
-         if (allocated(store%affine)) bytes = bytes + 72
-         if (allocated(store%spin)) bytes = bytes + 24
-         if (allocated(store%ahead)) bytes = bytes + 72
-         if (allocated(store%bond)) bytes = bytes + 8
-         if (allocated(store%origin%marks)) bytes = bytes + 8*size(store%origin%marks, 2)
-      end associate
-      if (allocated(simulation%effects%exact)) bytes = bytes + 24
+      requests = simulation%materials(1)%field_requests()
+      bytes = simulation%stores(1)%bytes() - requests%bytes()
    end function base_bytes
 
    !> Bytes of a particle of the material with the most fields.
    real(wp) function particle_bytes(simulation, survey) result(bytes)
       type(simulation_t), intent(in) :: simulation
       type(survey_t), intent(in) :: survey
-      type(field_requests_t) :: requests
       integer :: n
 
       bytes = 0.0_wp
       if (survey%particles == 0) return
-      do n = 1, size(simulation%materials)
-         requests = simulation%materials(n)%field_requests()
-         bytes = max(bytes, real(base_bytes(simulation) + requests%bytes(), wp))
+      do n = 1, size(simulation%stores)
+         bytes = max(bytes, real(simulation%stores(n)%bytes(), wp))
       end do
    end function particle_bytes
 

@@ -4,7 +4,7 @@ module run_expected_steps
    use base_kinds, only: int64, wp
    use material_state, only: material_state_t
    use mesh_moving_cell, only: moving_cell_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use run_limits, only: limits_t
    use step_bounds, only: rule_conduction
    use step_simulation, only: simulation_t

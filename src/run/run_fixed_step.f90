@@ -6,7 +6,7 @@ module run_fixed_step
    use base_kinds, only: wp
    use base_text, only: brief
    use deck_reader, only: deck_t, group_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use run_expected_steps, only: find_first_stable_step
    use step_simulation, only: simulation_t
    implicit none

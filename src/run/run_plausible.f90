@@ -10,7 +10,7 @@ module run_plausible
    use deck_schema, only: schema_t
    use material_kinds, only: is_gas
    use material_type, only: material_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use run_expected_steps, only: find_first_step
    use run_limits, only: limits_t
    use step_simulation, only: simulation_t

@@ -2,7 +2,7 @@
 !> Lines of progress in the log, and a warning if the run gets too little processor time.
 module run_progress
    use base_kinds, only: int64, wp
-   use base_log, only: log_t, progress_line, progress_t
+   use base_log, only: log_t, progress_line, progress_row_t
    use base_text, only: number
    use base_timer, only: process_seconds, wall_seconds
    use omp_lib, only: omp_get_max_threads
@@ -25,7 +25,7 @@ contains
       type(limits_t), intent(in) :: limits           !! End of the run
       type(log_t), intent(inout) :: log              !! Gets the line
       type(loop_clock_t), intent(inout) :: clock     !! Gets the time of the line
-      type(progress_t) :: progress
+      type(progress_row_t) :: progress
       type(balance_t) :: balance
       real(wp) :: wall, done
       integer(int64) :: counts(2)

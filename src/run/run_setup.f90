@@ -17,7 +17,7 @@ module run_setup
    use output_deck, only: check_output_fields, check_output_groups, declare_output_groups
    use output_description, only: describe_simulation
    use output_streams, only: outputs_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use run_cost_report, only: memory_bytes
    use run_expected_steps, only: expected_steps
    use run_fixed_step, only: check_fixed_step

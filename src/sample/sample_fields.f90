@@ -3,7 +3,7 @@
 module sample_fields
    use base_constants, only: xx, xy, xz, yy, yz, zz
    use base_error, only: error_t, exit_input, fail
-   use base_field_worker, only: field_worker_t
+   use base_field_worker, only: field_reader_t
    use base_kinds, only: int64, wp
    use base_text, only: append_text => append, closest, text_t
    use material_field_requests, only: field_requests_t
@@ -41,27 +41,25 @@ module sample_fields
    end type picks_t
 
    !> Collects the fields that particles have.
-   type, extends(field_worker_t) :: collector_t
+   type, extends(field_reader_t) :: collector_t
       type(column_t), allocatable :: columns(:)          !! Fields found
    contains
-      procedure :: scalar => collector_scalar            !! Record a scalar field
-      procedure :: vector => collector_vector            !! Record a vector or tensor field
-      procedure :: whole => collector_whole              !! Record an integer field
+      procedure :: reals => collector_reals              !! Record a field of real numbers
+      procedure :: integers => collector_integers        !! Record a field of integers
       procedure :: note => collector_note                !! Record any field
    end type collector_t
 
    !> Copies the values of one field.
-   type, extends(field_worker_t) :: fetcher_t
+   type, extends(field_reader_t) :: fetcher_t
       character(len=field_name_length) :: name = ""      !! Name of the field
       integer, pointer, contiguous :: order(:) => null() !! Indices of the particles
       integer :: before = 0                              !! Rows before the first
       logical :: found = .false.                         !! Do the particles have the field?
-      real(wp), allocatable :: reals(:, :)               !! (component, row)
-      integer(int64), allocatable :: integers(:)           !! (row)
+      real(wp), allocatable :: numbers(:, :)             !! (component, row)
+      integer(int64), allocatable :: whole_numbers(:)    !! (row)
    contains
-      procedure :: scalar => fetcher_scalar              !! Copy a scalar field
-      procedure :: vector => fetcher_vector              !! Copy a vector or tensor field
-      procedure :: whole => fetcher_whole                !! Copy an integer field
+      procedure :: reals => fetcher_reals                !! Copy a field of real numbers
+      procedure :: integers => fetcher_integers          !! Copy a field of integers
    end type fetcher_t
 
 contains
@@ -86,7 +84,7 @@ contains
    !! fields that another run needs to start. An unknown field, or one that no particle has, is an
    !! error.
    subroutine choose_columns(stores, fields, columns, error)
-      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(store_t), intent(in) :: stores(:)
       character(len=*), intent(in) :: fields(:)          !! Names, "default" or "state"
       type(column_t), allocatable, intent(out) :: columns(:) !! In the order of the request
       type(error_t), allocatable, intent(out) :: error   !! A field cannot be written
@@ -97,7 +95,7 @@ contains
 
       allocate (columns(0), collector%columns(0))
       do index = 1, size(stores)
-         call stores(index)%walk(collector)
+         call stores(index)%show(collector)
       end do
       do index = 1, size(fields)
          if (fields(index) == "default") then
@@ -205,7 +203,7 @@ contains
 
    !> Fill a real column, store after store; 0 where a material lacks the field.
    subroutine fill_reals(stores, picks, column, values)
-      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), target, intent(in) :: picks(:)      !! (store) Selected particles
       type(column_t), intent(in) :: column               !! Name of the field
       real(wp), allocatable, intent(inout) :: values(:, :) !! (component, row)
@@ -213,7 +211,7 @@ contains
       integer :: before, last, store
 
       before = 0
-      if (.not. column%derived) call move_alloc(values, fetcher%reals)
+      if (.not. column%derived) call move_alloc(values, fetcher%numbers)
       do store = 1, size(stores)
          if (column%derived) then
             call derive(stores(store), picks(store), before, column%name, values)
@@ -222,18 +220,18 @@ contains
             fetcher%before = before
             fetcher%order => picks(store)%order
             fetcher%found = .false.
-            call stores(store)%walk(fetcher)
+            call stores(store)%show(fetcher)
             last = before + size(picks(store)%order)
-            if (.not. fetcher%found) fetcher%reals(:, before + 1:last) = 0.0_wp
+            if (.not. fetcher%found) fetcher%numbers(:, before + 1:last) = 0.0_wp
          end if
          before = before + size(picks(store)%order)
       end do
-      if (.not. column%derived) call move_alloc(fetcher%reals, values)
+      if (.not. column%derived) call move_alloc(fetcher%numbers, values)
    end subroutine fill_reals
 
    !> Fill an integer column, store after store; 0 where a material lacks the field.
    subroutine fill_integers(stores, picks, column, values)
-      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), target, intent(in) :: picks(:)      !! (store) Selected particles
       type(column_t), intent(in) :: column               !! Name of the field
       integer(int64), allocatable, intent(inout) :: values(:) !! (row)
@@ -241,7 +239,7 @@ contains
       integer :: before, last, store
 
       before = 0
-      if (.not. column%derived) call move_alloc(values, fetcher%integers)
+      if (.not. column%derived) call move_alloc(values, fetcher%whole_numbers)
       do store = 1, size(stores)
          last = before + size(picks(store)%order)
          if (column%name == "fragment") then
@@ -254,12 +252,12 @@ contains
             fetcher%before = before
             fetcher%order => picks(store)%order
             fetcher%found = .false.
-            call stores(store)%walk(fetcher)
-            if (.not. fetcher%found) fetcher%integers(before + 1:last) = 0
+            call stores(store)%show(fetcher)
+            if (.not. fetcher%found) fetcher%whole_numbers(before + 1:last) = 0
          end if
          before = last
       end do
-      if (.not. column%derived) call move_alloc(fetcher%integers, values)
+      if (.not. column%derived) call move_alloc(fetcher%whole_numbers, values)
    end subroutine fill_integers
 
    !> Compute a derived field, block after block of rows in threads.
@@ -334,59 +332,34 @@ contains
       call append(self%columns, column)
    end subroutine collector_note
 
-   !> Record a scalar field.
-   subroutine collector_scalar(self, name, unit, values)
+   !> Record a field of real numbers.
+   subroutine collector_reals(self, name, unit, is_scalar, values)
       class(collector_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
-
-      call self%note(name, unit, 1, .true.)
-   end subroutine collector_scalar
-
-   !> Record a vector or tensor field.
-   subroutine collector_vector(self, name, unit, values)
-      class(collector_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
+      logical, intent(in) :: is_scalar                   !! One number a particle?
+      real(wp), contiguous, intent(in) :: values(:, :) !! (particle, component)
 
       call self%note(name, unit, size(values, 2), .true.)
-   end subroutine collector_vector
+   end subroutine collector_reals
 
-   !> Record an integer field.
-   subroutine collector_whole(self, name, unit, values)
+   !> Record a field of integers.
+   subroutine collector_integers(self, name, unit, values)
       class(collector_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
 
       call self%note(name, unit, 1, .false.)
-   end subroutine collector_whole
+   end subroutine collector_integers
 
-   !> Copy a scalar field.
-   subroutine fetcher_scalar(self, name, unit, values)
+   !> Copy a field of real numbers.
+   subroutine fetcher_reals(self, name, unit, is_scalar, values)
       class(fetcher_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
-      integer :: row
-
-      if (name /= self%name) return
-      self%found = .true.
-      !$omp parallel do default(none) shared(self, values) private(row) schedule(static)
-      do row = 1, size(self%order)
-         self%reals(1, self%before + row) = values(self%order(row))
-      end do
-      !$omp end parallel do
-   end subroutine fetcher_scalar
-
-   !> Copy a vector or tensor field.
-   subroutine fetcher_vector(self, name, unit, values)
-      class(fetcher_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
+      logical, intent(in) :: is_scalar                   !! One number a particle?
+      real(wp), contiguous, intent(in) :: values(:, :) !! (particle, component)
       integer :: component, row
 
       if (name /= self%name) return
@@ -394,26 +367,26 @@ contains
       !$omp parallel do default(none) shared(self, values) private(component, row) schedule(static)
       do row = 1, size(self%order)
          do component = 1, size(values, 2)
-            self%reals(component, self%before + row) = values(self%order(row), component)
+            self%numbers(component, self%before + row) = values(self%order(row), component)
          end do
       end do
       !$omp end parallel do
-   end subroutine fetcher_vector
+   end subroutine fetcher_reals
 
-   !> Copy an integer field.
-   subroutine fetcher_whole(self, name, unit, values)
+   !> Copy a field of integers.
+   subroutine fetcher_integers(self, name, unit, values)
       class(fetcher_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
       integer :: row
 
       if (name /= self%name) return
       self%found = .true.
       !$omp parallel do default(none) shared(self, values) private(row) schedule(static)
       do row = 1, size(self%order)
-         self%integers(self%before + row) = values(self%order(row))
+         self%whole_numbers(self%before + row) = values(self%order(row))
       end do
       !$omp end parallel do
-   end subroutine fetcher_whole
+   end subroutine fetcher_integers
 end module sample_fields

@@ -293,7 +293,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(map_t), intent(in) :: map                     !! All cells
       integer(int64), intent(in) :: key(:)               !! Cells of the fragments, ascending
-      real(wp), intent(inout) :: here(:, :)              !! (sum, cell); moved to their images
+      real(wp), intent(in) :: here(:, :)                 !! (sum, cell)
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, fragment) As found, by cells
       integer, allocatable :: cell(:), order(:)
       real(wp), allocatable :: sorted(:, :)

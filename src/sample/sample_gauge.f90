@@ -50,10 +50,10 @@ contains
 
    !> Values of all columns but time and step. All are zero if there is no material. Collective.
    subroutine gauge_row(communicator, grid, coordinate, stores, gauge, row)
-      type(communicator_t), intent(inout) :: communicator
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(gauge_t), intent(in) :: gauge                 !! Definition of the gauge
       real(wp), allocatable, intent(out) :: row(:)       !! (column)
       type(picks_t) :: picks(size(stores))
@@ -88,7 +88,7 @@ contains
    !> The selected particle that is nearest to the point of a gauge; of several the one with the
    !! least identity. Collective.
    subroutine find_nearest(communicator, grid, stores, gauge, distance)
-      type(communicator_t), intent(inout) :: communicator
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: stores(:)
       type(gauge_t), intent(inout) :: gauge              !! Gets the identity
@@ -139,7 +139,7 @@ contains
    !> Position where the beam hits the material: the greatest end of the selected particles along
    !! the beam. Collective.
    subroutine find_surface(communicator, grid, coordinate, stores, gauge, centre)
-      type(communicator_t), intent(inout) :: communicator
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
       type(store_t), intent(in) :: stores(:)
@@ -220,7 +220,7 @@ contains
    subroutine fit(communicator, active, stores, picks, weight, offset, means, row)
       type(communicator_t), intent(in) :: communicator
       logical, intent(in) :: active(3)                   !! (direction) Does the scene have it?
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       real(wp), intent(in) :: weight(:)                  !! (row)
       real(wp), intent(in) :: offset(:, :)               !! (3, row)
@@ -312,7 +312,7 @@ contains
    !> Mean position, number and means of the particles, weighted as in profiles. Collective.
    subroutine find_means(communicator, stores, picks, single, means, row)
       type(communicator_t), intent(in) :: communicator
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       logical, intent(in) :: single                      !! One particle: its values are not divided
       type(mean_t), intent(in) :: means(:)

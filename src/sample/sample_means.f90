@@ -38,7 +38,7 @@ contains
 
    !> Choose the fields to average. An unknown field, or one without a mean, is an error.
    subroutine choose_means(stores, fields, where_used, means, error)
-      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(store_t), intent(in) :: stores(:)
       character(len=*), intent(in) :: fields(:)          !! Names, or "default"
       integer, intent(in) :: where_used                  !! `in_cells`, `in_bins` or `at_gauges`
       type(mean_t), allocatable, intent(out) :: means(:) !! In the order of the request
@@ -79,7 +79,7 @@ contains
 
    !> Add a field unless it is already in the list.
    subroutine add_mean(stores, name, if_carried, means, error)
-      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(store_t), intent(in) :: stores(:)
       character(len=*), intent(in) :: name
       logical, intent(in) :: if_carried                  !! Skip fields that no particle has
       type(mean_t), allocatable, intent(inout) :: means(:)
@@ -150,7 +150,7 @@ contains
 
    !> Fill the values of a field for all particles of an output, store after store.
    subroutine fill_mean(stores, picks, column, values)
-      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(column_t), intent(in) :: column
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, row)

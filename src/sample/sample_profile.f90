@@ -89,7 +89,7 @@ contains
    subroutine profile_rows(communicator, grid, stores, profile, rows)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(profile_t), intent(in) :: profile             !! Bins, fields and selection
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       type(picks_t), allocatable :: picks(:)
@@ -162,7 +162,7 @@ contains
 
    !> Values of all particles, of which the rows are means or sums.
    subroutine fill_values(stores, picks, mean, axis, values)
-      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(store_t), intent(in) :: stores(:)             !! Particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(mean_t), intent(in) :: mean
       integer, intent(in) :: axis                        !! Direction of the bins

@@ -11,7 +11,7 @@ program bench_block
    use base_kinds, only: int64, wp
    use eos_linear, only: eos_linear_t
    use law_elastic, only: law_elastic_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use particle_shape, only: box
    use scene_particles, only: fill_simulation, first_step, make_stores, prepare_simulation, &
       survey_t, take_survey

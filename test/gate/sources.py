@@ -73,6 +73,15 @@ def statements(path):
     return result
 
 
+def declared_names(text):
+    """Names that a declaration declares, without their shapes and values."""
+    text = re.sub(r"\"[^\"]*\"|'[^']*'", "", text.split("::", 1)[1])
+    bare = ""
+    while text != bare:
+        text, bare = re.sub(r"\([^()\[\]]*\)|\[[^()\[\]]*\]", "", text), text
+    return [re.match(r"\s*(\w+)", part).group(1) for part in text.split(",")]
+
+
 class Module:
     """One module: its types, its procedures, what is public and what types bind."""
 
@@ -144,5 +153,7 @@ class Module:
     def _declaration(self, low, line, text):
         if low.startswith("public"):
             self.public |= set(re.findall(r"\w+", low.split("::")[1]))
+        elif re.search(r",\s*public\b", low.split("::")[0]):
+            self.public |= set(declared_names(low))
         elif not low.startswith(("use", "import", "private")) and "parameter" not in low:
             self.variables.append((line, text))

@@ -7,6 +7,7 @@ Would catch a module with a state of its own, a hidden sum over threads, and pub
 
 import re
 
+from scree.units import parse
 from sources import ROOT, Module, code_of, lines_of, place, project_files
 
 # Arguments whose type and name are sufficient documentation.
@@ -49,6 +50,48 @@ def explains_itself(declaration):
     """True for a declaration of dummy arguments whose types and names are sufficient documentation."""
     names = re.findall(r"(\w+)(?:\([^()]*\))?", declaration.split("::")[1].lower())
     return bool(DERIVED.match(declaration)) or set(names) <= PLAIN_NAMES
+
+
+def units_in(text):
+    """Units in the declarations of keys and of fields of particles, and in derived columns."""
+    text = re.sub(r"&\s*\n\s*", "", text)
+    field = r"worker%(?:scalar|vector|whole)\(\"\w+\", *\"([^\"]*)\""
+    return [unit for pattern in (field, r"\bunit=\"([^\"]*)\"", r"%unit = \"([^\"]+)\"")
+            for unit in re.findall(pattern, text)]
+
+
+def test_units_are_known():
+    """Would catch a unit without powers: files would store zeros for it, and Python would not convert its numbers."""
+    units = {unit for path in SOURCES for unit in units_in(path.read_text(encoding="utf-8"))}
+    assert {"1", "kg", "m/s", "J/(kg K)", "N/m", "deg"} <= units
+    assert [unit for unit in sorted(units) if parse(unit) is None] == []
+    assert parse("furlong/s") is None
+
+
+def public_names():
+    """Public names of each module; whether each one counts, or its documentation gives a reason for a second home."""
+    homes = {}
+    for module in MODULES:
+        lines = lines_of(module.path)
+        first = next(number for number, line in enumerate(lines, 1) if re.match(r"module\s", line, re.I))
+        header = "\n".join(lines[:first])
+        imported = {name for _, _, text in module.uses for name in re.findall(r"\w+", text.split("only", 1)[-1])}
+        reasons = [word.replace("*", r"\w*") for word in re.findall(r"`([\w*]+)`", header)]
+        homes.setdefault(module.name, {}).update({
+            name: name not in imported or not any(re.fullmatch(word, name) for word in reasons)
+            for name in module.public})
+    return homes
+
+
+def repeated_names(homes):
+    """Public names that several modules have."""
+    found = {}
+    for module, names in homes.items():
+        for name, counts in names.items():
+            if counts:
+                found.setdefault(name, []).append(module)
+    return [f"{name} is public in {', '.join(sorted(modules))}"
+            for name, modules in sorted(found.items()) if len(modules) > 1]
 
 
 class TestFortranGate:
@@ -123,6 +166,22 @@ class TestFortranGate:
                 if name in module.interface() and not documented(lines, line):
                     offences.append(f"{place(module.path, line)} {name} has no !>")
         self.none(offences)
+
+    def test_public_names_are_unique(self):
+        """Would catch a name with two meanings, and a second home of one thing.
+
+        Variants of a module for two builds have the same names. A module may make a name of another one public as well
+        if its documentation names it and gives the reason.
+        """
+        assert {"pi", "xx", "xz", "symmetric"} <= public_names()["base_constants"].keys()
+        self.none(repeated_names(public_names()))
+
+    def test_repeated_names_are_found(self):
+        """The rule itself."""
+        homes = {"one": {"part_t": True, "whole_t": True}, "two": {"part_t": True}, "three": {"whole_t": False}}
+        assert repeated_names(homes) == ["part_t is public in one, two"]
+        homes["three"]["part_t"] = True
+        assert repeated_names(homes) == ["part_t is public in one, three, two"]
 
     def test_arguments_are_documented(self):
         offences = []

@@ -79,6 +79,38 @@ def test_particles_and_mass(options, sheet, name):
                    1.0e-5 * len(parts.group(1).split(", ")))
 
 
+MEMORY = {
+    "elastic": ("elastic = 'isotropic'  young = 70e9  poisson = 0.3", ""),
+    "shocks": ("young = 70e9  poisson = 0.3  eos_model = 'mie_gruneisen'  mg_c0 = 5000  mg_s = 1.3  mg_gamma = 2  "
+               "strength_model = 'johnson_cook'  jc_a = 1e8  jc_b = 1e8  jc_n = 0.5  jc_c = 0.01  jc_m = 1  "
+               "jc_rate = 1  t_melt = 900  specific_heat = 900",
+               "&effects thermal = T / &method split = T /"),
+    "boxes": ("young = 70e9  poisson = 0.3", "&method basis = 'cpdi'  transfer = 'apic' /"),
+}
+
+
+@pytest.mark.parametrize("name", MEMORY)
+def test_forecast_of_memory(options, sheet, name):
+    """Would catch a field that the forecast omits, or counts with other bytes than it has.
+
+    The forecast assumes spare capacity of 7 %; a run has between none and that.
+    """
+    material, more = MEMORY[name]
+    method = "mpm" if name == "boxes" else "ddmp"
+    made = case.Case(options, f"memory_{name}", f"""&run dimension = '3d'  method = '{method}' /
+&grid lo = 0 0 0  hi = 1 1 1  dx = 0.05 /
+&time t_end = 1  max_steps = 1 /
+&material name = 'metal'  density = 2700  {material} /
+&region name = 'all'  shape = 'box'  lo = 0.1 0.1 0.1  hi = 0.9 0.9 0.9 /
+&body name = 'one'  region = 'all'  material = 'metal'  ppc = 2 2 2 /
+{more}
+""")
+    said = made.run("--check", "--no-estimate").output
+    made.run("-q")
+    told = float(re.search(r"bytes per particle, (\d+) with node fields", said).group(1))
+    sheet.near("forecast over memory in use", told / made.summary["bytes_per_particle"], 1.0, 0.07)
+
+
 def test_volume_of_facets(options, sheet):
     """Cut surfaces have the mass of the volume that the facets enclose: sampling a site has an error of half a sample,
     1/12 of its edge, in alternating directions."""

@@ -196,12 +196,10 @@ contains
       class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! &material
       type(deck_t), intent(inout) :: deck
-      character(len=:), allocatable :: strength, eos
+      character(len=:), allocatable :: strength
 
       call group%get("strength_model", strength)
-      call group%get("eos_model", eos)
-      ! the default value is always accepted, because the echo of a deck gives it for every material
-      if (group%given("eos_model") .and. eos /= "linear") call deck%add_error(group, &
+      if (deck%departs(group, "eos_model")) call deck%add_error(group, &
          "eos_model is not used, as strength_model = '"//strength//"' gives the whole stress; "// &
          "remove it [D349]", "eos_model")
       if (allocated(material%damage)) then

@@ -5,6 +5,7 @@
 !! doc/theory/matter.md.
 module damage_johnson_cook
    use base_elementary, only: take_exponentials, take_logarithms
+   use base_constants, only: most_lanes
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
@@ -24,8 +25,8 @@ module damage_johnson_cook
    !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
    real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp
 
-   !> Particles of a group, a multiple of the vector length.
-   integer, parameter :: most_lanes = 64, width = 8
+   !> Lanes are filled up to a multiple of it.
+   integer, parameter :: width = 8
 
    !> Damage model of Johnson and Cook. Without rate dependence the fourth coefficient is 0.
    type, extends(damage_t) :: damage_johnson_cook_t

@@ -5,6 +5,7 @@
 !! pressure. A run stores each table once. Equations (E.15) to (E.18) of
 !! doc/theory/equations_of_state.md.
 module eos_table
+   use base_constants, only: most_lanes
    use base_error, only: error_t
    use base_kinds, only: wp
    use base_text, only: brief, number
@@ -14,7 +15,7 @@ module eos_table
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
-   use material_table_states, only: most_lanes, cell_lanes_t, state_table_t
+   use material_table_states, only: cell_lanes_t, state_table_t
    use material_table_text, only: read_states
    implicit none
    private

@@ -5,6 +5,7 @@
 !! linearly with the temperature and is inverted exactly. Equations (E.15) to (E.18) of
 !! doc/theory/equations_of_state.md.
 module material_table_states
+   use base_constants, only: most_lanes
    use base_kinds, only: wp
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    implicit none
@@ -12,7 +13,6 @@ module material_table_states
 
    public :: cell_lanes_t, state_table_t
 
-   integer, parameter, public :: most_lanes = 64     !! States that are looked up together
 
    !> Values at the nodes. Node k of density i and temperature j is j + (i - 1) n, n the number of
    !! temperatures.

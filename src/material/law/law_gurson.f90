@@ -6,7 +6,7 @@
 !! closes pores, plastic strain nucleates new ones, and above a critical porosity they coalesce.
 !! Equations (D.1) to (D.11) of doc/theory/ductile.md.
 module law_gurson
-   use base_constants, only: pi
+   use base_constants, only: most_lanes, pi
    use base_elementary, only: take_exponentials, take_logarithms
    use base_kinds, only: wp
    use deck_group_values, only: group_t
@@ -15,7 +15,7 @@ module law_gurson
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
    use material_law, only: equivalent_stress, law_t, strain_trial
-   use material_porous_flow, only: find_excess, most_lanes, pore_lanes_t, porous_t, solve_flow
+   use material_porous_flow, only: find_excess, pore_lanes_t, porous_t, solve_flow
    use material_state, only: deformation_t, material_state_t
    implicit none
    private

@@ -4,13 +4,14 @@
 !! The logarithm is not less than 0, so that slow flow is not weaker than the static yield stress.
 !! Equation (Y.4) of doc/theory/strength.md.
 module law_johnson_cook
+   use base_constants, only: most_lanes
    use base_elementary, only: take_fast_powers
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
-   use material_hardening, only: collect_lanes, flow_lanes_t, hardening_power_t, most_lanes, &
+   use material_hardening, only: collect_lanes, flow_lanes_t, hardening_power_t, &
       move_flow_results, solve_hardening
    use material_heat, only: homologous_temperature, melting_range_t, read_melting_range
    use material_law, only: equivalent_stress, law_t, strain_trial

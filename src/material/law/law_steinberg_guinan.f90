@@ -10,6 +10,7 @@
 !! Without temperature B is 0 and nothing melts. Equations (Y.6), (Y.7) and (Y.8) of
 !! doc/theory/strength.md.
 module law_steinberg_guinan
+   use base_constants, only: most_lanes
    use base_elementary, only: take_exponentials, take_fast_powers
    use base_kinds, only: wp
    use deck_group_values, only: group_t
@@ -17,7 +18,7 @@ module law_steinberg_guinan
    use material_effects, only: effects_t, in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
-   use material_hardening, only: collect_lanes, flow_lanes_t, hardening_power_t, most_lanes, &
+   use material_hardening, only: collect_lanes, flow_lanes_t, hardening_power_t, &
       move_flow_results, solve_hardening
    use material_kinematics, only: predict_deviator
    use material_law, only: equivalent_stress, law_stored_energy, law_t, strain_trial

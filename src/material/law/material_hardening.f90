@@ -5,6 +5,7 @@
 !! Newton's method iterates all lanes of a group until the last one has converged. Converged lanes
 !! do not change, so their bits do not depend on their neighbours.
 module material_hardening
+   use base_constants, only: most_lanes
    use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
    use material_law, only: mean_work
@@ -12,9 +13,8 @@ module material_hardening
    implicit none
    private
 
-   public :: collect_lanes, flow_lanes_t, most_lanes, move_flow_results, solve_hardening
+   public :: collect_lanes, flow_lanes_t, move_flow_results, solve_hardening
 
-   integer, parameter :: most_lanes = 64             !! Particles of a group
    integer, parameter :: width = 8                   !! Lanes are filled up to a multiple of it
 
    !> Floor of strains in divisors; two such divisions must not overflow in a converged lane.

@@ -6,6 +6,7 @@
 !! from it in closed form. Converged lanes do not change, so their bits do not depend on their
 !! neighbours.
 module material_porous_flow
+   use base_constants, only: most_lanes
    use base_elementary, only: take_exponentials, take_logarithms
    use base_kinds, only: wp
    implicit none
@@ -13,7 +14,6 @@ module material_porous_flow
 
    public :: find_excess, pore_lanes_t, porous_t, solve_flow
 
-   integer, parameter, public :: most_lanes = 64     !! Particles of a group
    !> Upper limit of the porosity, and of the fraction of strength that voids remove.
    real(wp), parameter :: most_porosity = 0.999_wp, most_weakening = 0.99_wp
    real(wp), parameter :: steepest = 300.0_wp        !! Argument of the hyperbolic functions [1]

@@ -7,8 +7,8 @@ module scene_bodies
    use deck_schema, only: schema_t
    use material_type, only: material_t
    use mesh_grid, only: grid_t
+   use particle_body, only: body_t
    use particle_disks, only: disks_t, start_disks
-   use particle_fill, only: body_t
    use particle_store, only: traits_t
    use scene_dimension, only: check_plane
    use scene_lithostatic, only: read_lithostatic

@@ -6,7 +6,7 @@ module scene_body_placement
    use deck_reader, only: deck_t
    use material_kinds, only: supports_any_shear
    use mesh_grid, only: grid_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use scene_dimension, only: axis_names
    use scene_particles, only: survey_t
    use step_simulation, only: simulation_t

@@ -16,7 +16,8 @@ module scene_particles
    use mesh_surface_load, only: mark_columns
    use mesh_tiles, only: partition_keys, partition_scattered_keys
    use omp_lib, only: omp_get_max_threads
-   use particle_fill, only: body_t, fill_bodies
+   use particle_body, only: body_t
+   use particle_fill, only: fill_bodies
    use particle_place, only: find_place
    use particle_store, only: store_t, traits_t
    use particle_survey, only: survey_bodies

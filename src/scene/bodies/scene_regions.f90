@@ -7,10 +7,10 @@ module scene_regions
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_nothing, changes_physics, schema_t
    use mesh_grid, only: grid_t
-   use particle_shape, only: box, combine, cylinder, rotation_matrix, set_difference, &
+   use particle_shape, only: box, combine_shapes, cylinder, rotation_matrix, set_difference, &
       set_intersection, set_union, shape_holder_t, sphere, transform_point
    use particle_solids, only: cone, ellipsoid, half_space, torus
-   use scene_dimension, only: axis_names, dimension_of
+   use scene_dimension, only: axis_names, read_dimension
    use scene_facets, only: read_facets
    use scene_points, only: point_region_t, read_point_region
    use scene_prism, only: build_prism
@@ -145,7 +145,7 @@ contains
          if (.not. (region%known("lo") .and. region%known("hi"))) return
          call region%get("lo", lo)
          call region%get("hi", hi)
-         call dimension_of(deck, dimension, active)
+         call read_dimension(deck, dimension, active)
          do k = 1, 3
             if (hi(k) > lo(k) .or. .not. active(k)) cycle
             call deck%add_error(region, "hi must be above lo in "//axis_names(k)//" [D408]", "hi")
@@ -389,6 +389,6 @@ contains
       case default
          kind = set_intersection
       end select
-      call shapes(index)%shape%set(combine(kind, operands))
+      call shapes(index)%shape%set(combine_shapes(kind, operands))
    end subroutine build_set
 end module scene_regions

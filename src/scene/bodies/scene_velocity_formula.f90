@@ -10,7 +10,8 @@ module scene_velocity_formula
    use deck_reader, only: deck_t
    use mesh_grid, only: grid_t
    use mesh_hilbert, only: hilbert_coordinate
-   use particle_fill, only: body_t, fill_bodies
+   use particle_body, only: body_t
+   use particle_fill, only: fill_bodies
    use particle_store, only: store_t
    use scene_particles, only: number_bodies
    use step_simulation, only: simulation_t

@@ -56,8 +56,8 @@ contains
          if (value < it%least .and. it%key == "density" .and. is_gas(material)) what = ""
          if (value > it%most) what = trim(it%heavy)
          if (what == "") cycle
-         call deck%warn(material, trim(it%key)//" = "//brief(value)//" "//unit_of_key(it%key)// &
-            what//question(deck), trim(it%key))
+         call deck%warn(material, trim(it%key)//" = "//brief(value)//" "// &
+            deck%unit(material, trim(it%key))//" "//what//question(deck), trim(it%key))
          if (it%key == "density") return
       end do
       call check_wave(deck, material)
@@ -85,23 +85,6 @@ contains
       end if
       yes = speed > slow .and. speed < fast
    end function is_gas
-
-   !> Unit of a key, followed by a blank, for messages.
-   pure function unit_of_key(key) result(unit)
-      character(len=*), intent(in) :: key                !! One of `usual`
-      character(len=:), allocatable :: unit
-
-      select case (key)
-      case ("density")
-         unit = "kg/m3 "
-      case ("mg_c0")
-         unit = "m/s "
-      case ("specific_heat")
-         unit = "J/(kg K) "
-      case default
-         unit = "1/Pa "
-      end select
-   end function unit_of_key
 
    !> Hint about units, which depends on whether the deck sets them.
    function question(deck) result(text)

@@ -5,10 +5,10 @@ module scene_absorbing
    use base_kinds, only: wp
    use boundary_absorbing, only: boundary_absorbing_t
    use deck_reader, only: deck_t, group_t
-   use mesh_boundary, only: face_names
    use mesh_boundary_condition, only: normal_direction
+   use mesh_boundary_walls, only: face_names
    use mesh_grid, only: grid_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use particle_points, only: points_t
    use step_simulation, only: simulation_t
    implicit none

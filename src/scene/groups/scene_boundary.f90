@@ -7,13 +7,14 @@ module scene_boundary
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
    use io_motion, only: of_velocities
-   use mesh_boundary, only: boundary_t, face_names
+   use mesh_boundary, only: boundary_t
    use mesh_boundary_catalogue, only: boundary_names, choose_boundary
    use mesh_boundary_condition, only: boundary_condition_t, normal_direction
+   use mesh_boundary_walls, only: face_names
    use mesh_motion, only: motion_t
    use mesh_rigid, only: rigid_t
    use mesh_wall, only: wall_t
-   use scene_dimension, only: axis_names, check_plane, dimension_of
+   use scene_dimension, only: axis_names, check_plane, read_dimension
    use scene_motion_table, only: read_motion_table
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t

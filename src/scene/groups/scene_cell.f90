@@ -4,13 +4,18 @@
 !! --grains`.
 module scene_cell
    use base_kinds, only: wp
+   use ddmp_catalogue, only: choose_quadrature, quadrature_names
+   use ddmp_quadrature, only: quadrature_t
    use deck_reader, only: deck_t, group_t
    use mesh_drive, only: read_drive, stage_duration
    use mesh_moving_cell, only: moving_cell_t
    use particle_moving_cell, only: find_mass, measure_cell
-   use scene_dimension, only: axis_names
+   use scene_dimension, only: axis_names, is_dual
    use step_method, only: stress_after, stress_names
    use step_simulation, only: simulation_t
+   use transfer_basis, only: basis_t
+   use transfer_catalogue, only: basis_names, choose_basis, choose_velocity, velocity_names
+   use transfer_velocity, only: velocity_t
    implicit none
    private
 
@@ -33,10 +38,13 @@ contains
    !! its shape.
    subroutine set_cell_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! Gets defaults and errors
-
-      character(len=:), allocatable :: method
-      type(group_t) :: run, group
-      logical :: paper
+      class(basis_t), allocatable :: basis
+      class(velocity_t), allocatable :: transfer
+      class(quadrature_t), allocatable :: quadrature
+      type(group_t) :: group
+      logical :: paper, bases(size(basis_names)), transfers(size(velocity_names)), &
+         quadratures(size(quadrature_names))
+      integer :: n
 
       if (.not. has_cell(deck)) return
       group = deck%group("method")
@@ -46,15 +54,25 @@ contains
             "it [D348]", "paper")
          return
       end if
-      call need(deck, "transfer", [character(len=4) :: "flip", "pic", "xpic", "fmpm"])
+      do n = 1, size(velocity_names)
+         call choose_velocity(velocity_names(n), transfer)
+         transfers(n) = .not. transfer%affine()
+      end do
+      call need(deck, "transfer", pack(velocity_names, transfers))
       call need(deck, "stress_update", [stress_names(stress_after)])
-      call need(deck, "basis", [character(len=9) :: "linear", "gimp", "quadratic", "cubic"])
-      run = deck%group("run")
-      call run%get("method", method)
-      if (method /= "ddmp") return
+      do n = 1, size(basis_names)
+         call choose_basis(basis_names(n), basis)
+         bases(n) = basis%suits_cell()
+      end do
+      call need(deck, "basis", pack(basis_names, bases))
+      if (.not. is_dual(deck)) return
       call need(deck, "normalise", ["none"])
       call need(deck, "viscosity_limiter", ["none"])
-      call need(deck, "quadrature", [character(len=9) :: "point", "lsd"])
+      do n = 1, size(quadrature_names)
+         call choose_quadrature(quadrature_names(n), quadrature)
+         quadratures(n) = quadrature%suits_cell()
+      end do
+      call need(deck, "quadrature", pack(quadrature_names, quadratures))
    end subroutine set_cell_defaults
 
    !> A key of &method needs one of some words, the first of which is its default.

@@ -6,7 +6,7 @@ module scene_contact
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
    use material_type, only: material_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use particle_store, only: store_t
    use step_contact, only: dissipation_after_remap
    use step_method, only: position_of
@@ -205,13 +205,16 @@ contains
       call method%get("transfer", transfer)
       call method%get("quadrature", quadrature)
       what = ""
-      if (all(transfer /= ["flip ", "rflip", "aflip"])) what = "transfer = '"//transfer// &
+      if (simulation%scheme%method%transfer%filters()) what = "transfer = '"//transfer// &
          "'; use 'flip', 'rflip' or 'aflip'"
       if (simulation%scheme%method%remaps()) what = "strain of velocities that are mapped "// &
          "twice; use stress_update = 'usl' or 'usf'"
-      if (basis /= "linear") what = "basis = '"//basis//"'; use 'linear'"
-      if (simulation%scheme%method%dual .and. quadrature /= "point") what = "quadrature = '"// &
-         quadrature//"'; use 'point'"
+      if (.not. simulation%scheme%method%basis%is_linear()) what = "basis = '"// &
+         basis//"'; use 'linear'"
+      if (simulation%scheme%method%dual) then
+         if (.not. simulation%scheme%method%quadrature%is_plain()) what = "quadrature = '"// &
+            quadrature//"'; use 'point'"
+      end if
       if (allocated(simulation%scheme%normalises)) &
          what = "normalised sums; use normalise = 'none'"
       if (simulation%scheme%method%even) what = "antilock = 'bbar'; remove it"

@@ -6,8 +6,10 @@ module scene_detonation
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: schema_t
    use material_burn, only: detonator_line, detonator_plane, detonator_point, detonator_t
+   use material_catalogue, only: choose_eos
+   use material_eos, only: eos_t
    use mesh_grid, only: grid_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -72,13 +74,16 @@ contains
       real(wp), parameter :: most = 0.03_wp
       type(group_t) :: group
       character(len=:), allocatable :: word
+      class(eos_t), allocatable :: eos
       real(wp) :: least, speed
       integer :: n
 
       do n = 1, deck%count("material")
          group = deck%group("material", n)
          call group%get("eos_model", word)
-         if (word /= "jwl" .or. .not. deck%sound("material", n)) cycle
+         call choose_eos(word, eos)
+         if (.not. allocated(eos) .or. .not. deck%sound("material", n)) cycle
+         if (.not. eos%detonates()) cycle
          if (deck%count("detonation") == 0) call deck%warn(group, "is an explosive that no "// &
             "&detonation ignites: it starts as hot products at their full pressure; add a "// &
             "&detonation with the point where it starts [D320]", "eos_model")

@@ -1,19 +1,20 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Directions that the dimension of a scene has, and checks that vectors have no other components.
+!> What &run says about the space and the gradient of a scene: the directions that it has, checks
+!! that vectors have no other components, and the choice of the dual domain gradient.
 module scene_dimension
    use base_kinds, only: wp
    use deck_reader, only: deck_t, group_t
    implicit none
    private
 
-   public :: check_plane, dimension_of
+   public :: check_plane, is_axisymmetric, is_dual, read_dimension
 
    character(len=1), parameter, public :: axis_names(3) = ["x", "y", "z"]
 
 contains
 
    !> Dimension of the scene, empty if invalid, and its active directions.
-   subroutine dimension_of(deck, dimension, active)
+   subroutine read_dimension(deck, dimension, active)
       type(deck_t), intent(in) :: deck
       character(len=:), allocatable, intent(out) :: dimension !! As in the deck
       logical, intent(out) :: active(3)                  !! It has this direction
@@ -22,7 +23,28 @@ contains
       run = deck%group("run")
       call run%get("dimension", dimension)
       active = [.true., dimension == "3d", dimension /= "1d"]
-   end subroutine dimension_of
+   end subroutine read_dimension
+
+   !> Is the scene axisymmetric?
+   logical function is_axisymmetric(deck) result(yes)
+      type(deck_t), intent(in) :: deck
+      character(len=:), allocatable :: dimension
+      logical :: active(3)
+
+      call read_dimension(deck, dimension, active)
+      yes = dimension == "axisymmetric"
+   end function is_axisymmetric
+
+   !> Does the scene use the dual domain gradient?
+   logical function is_dual(deck) result(yes)
+      type(deck_t), intent(in) :: deck
+      character(len=:), allocatable :: method
+      type(group_t) :: run
+
+      run = deck%group("run")
+      call run%get("method", method)
+      yes = method == "ddmp"
+   end function is_dual
 
    !> A vector must not leave the directions of the scene.
    subroutine check_plane(deck, group, key)
@@ -35,7 +57,7 @@ contains
       integer :: k
 
       if (.not. (group%given(key) .and. group%known(key))) return
-      call dimension_of(deck, dimension, active)
+      call read_dimension(deck, dimension, active)
       if (dimension == "") return
       call group%get(key, vector)
       do k = 1, 3

@@ -7,7 +7,7 @@ module scene_exact
    use deck_schema, only: schema_t
    use exact_catalogue, only: choose_exact, exact_names
    use exact_solution, only: exact_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -116,12 +116,18 @@ contains
       class(exact_t), allocatable :: solution
       type(group_t) :: material
       character(len=:), allocatable :: law, text
+      logical :: elastic
 
       call choose_exact(name, solution)
       material = deck%group("material", place)
       law = ""
       if (allocated(simulation%materials(place)%law)) call material%get("strength_model", law)
-      solution%hyperelastic = law == "neo_hookean"
+      solution%hyperelastic = .false.
+      elastic = .true.
+      if (allocated(simulation%materials(place)%law)) then
+         elastic = .not. simulation%materials(place)%law%is_plastic()
+         solution%hyperelastic = elastic .and. simulation%materials(place)%law%gives_whole_stress()
+      end if
       solution%density = simulation%materials(place)%density
       solution%shear = simulation%materials(place)%shear
       solution%lambda = simulation%materials(place)%bulk - 2.0_wp/3.0_wp*solution%shear
@@ -134,7 +140,7 @@ contains
       if (len(text) > 0 .and. law /= text) then
          call deck%add_error(material, "solution = '"//name//"' of &exact holds for "// &
             "strength_model = '"//text//"' only [D341]", "strength_model")
-      else if (all(law /= [character(len=11) :: "", "elastic", "neo_hookean"])) then
+      else if (.not. elastic) then
          call deck%add_error(material, "exact solutions are elastic; write strength_model = "// &
             "'elastic' or 'neo_hookean' [D352]", "strength_model")
       end if

@@ -6,7 +6,7 @@ module scene_grid
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: schema_t
    use mesh_grid, only: grid_t
-   use scene_dimension, only: axis_names, dimension_of
+   use scene_dimension, only: axis_names, read_dimension
    implicit none
    private
 
@@ -51,7 +51,7 @@ contains
       if (.not. (grid%known("lo") .and. grid%known("hi"))) return
       call grid%get("lo", lo)
       call grid%get("hi", hi)
-      call dimension_of(deck, dimension, active)
+      call read_dimension(deck, dimension, active)
       if (dimension == "") return
       needed = active .or. dimension /= "axisymmetric"
       do k = 1, 3

@@ -13,8 +13,7 @@ module scene_inflow
    use mesh_hilbert, only: hilbert_coordinate
    use mesh_rigid, only: rigid_t
    use mesh_wall, only: wall_t
-   use particle_body, only: find_boxes
-   use particle_fill, only: body_t
+   use particle_body, only: body_t, find_boxes
    use particle_inflow, only: inflow_t
    use particle_shape, only: box
    use particle_split, only: root_bits

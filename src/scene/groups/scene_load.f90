@@ -10,8 +10,8 @@ module scene_load
    use mesh_grid, only: grid_t
    use mesh_motion, only: motion_t
    use mesh_surface_load, only: mark_tile, surface_load_t
+   use particle_body, only: body_t
    use particle_closed_loads, only: find_closed_loads
-   use particle_fill, only: body_t
    use particle_store, only: store_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t

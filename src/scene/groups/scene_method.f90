@@ -9,8 +9,10 @@ module scene_method
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
    use scene_method_defaults, only: set_method_defaults, unseen_usual
+   use scene_dimension, only: is_axisymmetric, is_dual
    use step_method, only: method_t, position_of, stress_after, stress_names
-   use transfer_catalogue, only: basis_names, choose_velocity, velocity_names
+   use transfer_basis, only: basis_t
+   use transfer_catalogue, only: basis_names, choose_basis, choose_velocity, velocity_names
    use transfer_velocity, only: velocity_t
    implicit none
    private
@@ -23,6 +25,7 @@ contains
    subroutine declare_method(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       class(velocity_t), allocatable :: transfer
+      character(len=:), allocatable :: turning
       integer :: n
 
       call schema%group("method", "numerical method")
@@ -31,9 +34,11 @@ contains
       call schema%text("method", "transfer", "transfer of velocity between particles and "// &
          "nodes; default: rflip with ddmp, flip with mpm", default="rflip")
       call schema%words("method", "transfer", velocity_names)
+      turning = "transfer ="
       do n = 1, size(velocity_names)
          call choose_velocity(velocity_names(n), transfer)
          call transfer%declare(schema)
+         if (transfer%turning()) turning = turning//" "//trim(velocity_names(n))
       end do
       call schema%logical("method", "paper", &
          "use the scheme of LA-UR-11-06616 (2011); it fixes the other keys of the scheme", &
@@ -59,7 +64,7 @@ contains
          "strength that has an internal energy; fluids, in all material without strength; "// &
          "none; all; default: none where the quadrature of the dual gradient forbids it", &
          words="gases fluids none all", default="gases", owner="run.method = ddmp")
-      call declare_strain(schema)
+      call declare_strain(schema, turning)
       call schema%text("method", "antilock", "treatment of volumetric locking; bbar: the "// &
          "particles of a material in a cell have a common mean dilatation and pressure", &
          default="none", words="none bbar")
@@ -92,8 +97,9 @@ contains
    end subroutine declare_split
 
    !> Declare the keys of the strain update and of the rotation of particles.
-   subroutine declare_strain(schema)
+   subroutine declare_strain(schema, turning)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), intent(in) :: turning        !! Condition: particles carry a rotation
 
       call schema%text("method", "stress_update", "when the stress is updated: usl after the "// &
          "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
@@ -107,7 +113,7 @@ contains
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
          "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &
          "conserves the energy of thin bodies", default="point", words="point tiles", &
-         owner="transfer = rflip")
+         owner=turning)
    end subroutine declare_strain
 
    !> Declare the keys of artificial viscosity and heat flux that concern nodes.
@@ -133,15 +139,19 @@ contains
       logical, intent(in) :: some_gas                !! Is some material a gas or an explosive?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
+      class(basis_t), allocatable :: functions
+      logical :: linear
 
       call set_method_defaults(deck, stored, gases, some_gas)
-      group = deck%group("run", 1)
-      call group%get("method", word)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)
-      call method%choose(word == "ddmp", basis, quadrature)
-      if (method%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
+      call method%choose(is_dual(deck), basis, quadrature)
+      ! a quadrature may have replaced the functions of the method
+      call choose_basis(basis, functions)
+      linear = .false.
+      if (allocated(functions)) linear = functions%is_linear()
+      if (method%dual .and. .not. linear .and. group%valid(["basis"])) &
          call deck%add_error(group, &
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions [D311]", &
          "basis")
@@ -154,7 +164,7 @@ contains
       call choose_velocity(word, method%transfer)
       if (.not. allocated(method%transfer)) call choose_velocity("flip", method%transfer)
       call method%transfer%read(deck, group)
-      if (.not. method%dual .and. basis == "linear") call warn_of_linear(method, deck, group, word)
+      if (linear .and. .not. method%dual) call warn_of_linear(method, deck, group, word)
       if (method%dual .and. method%stress == stress_after .and. method%transfer%affine() .and. &
          .not. method%transfer%turning()) call deck%warn(group, "transfer = '"//word//"' with "// &
          "stress_update = 'usl' gains energy without bound where bodies vibrate; remove "// &
@@ -217,9 +227,9 @@ contains
       call group%get("alpha", word)
       method%quadrature%alpha = max(position_of(word, alpha_names), 1)
       call group%get("quadrature", quadrature)
-      if (quadrature == "sub_points" .and. word /= "split") call deck%add_error(group, &
-         "quadrature = 'sub_points' needs alpha = 'split', whose means are products [D355]", &
-         "alpha")
+      if (method%quadrature%needs_split() .and. word /= "split") call deck%add_error(group, &
+         "quadrature = '"//quadrature//"' needs alpha = 'split', whose means are "// &
+         "products [D355]", "alpha")
       call group%get("blend", word)
       method%quadrature%smooth = word == "smooth"
       call group%get("alpha_0", method%quadrature%alpha_centre)
@@ -236,12 +246,8 @@ contains
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group             !! &method
       character(len=*), intent(in) :: quadrature     !! Word of the rule
-      character(len=:), allocatable :: dimension
-      type(group_t) :: run
 
-      run = deck%group("run", 1)
-      call run%get("dimension", dimension)
-      if (dimension == "axisymmetric") call deck%add_error(group, "quadrature = '"//quadrature// &
+      if (is_axisymmetric(deck)) call deck%add_error(group, "quadrature = '"//quadrature// &
          "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point' [D345]", &
          "quadrature")
    end subroutine refuse_axis

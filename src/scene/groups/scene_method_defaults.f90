@@ -4,8 +4,13 @@
 module scene_method_defaults
    use base_kinds, only: wp
    use deck_reader, only: deck_t, group_t
+   use ddmp_catalogue, only: choose_quadrature
+   use ddmp_quadrature, only: quadrature_t
    use scene_cell, only: set_cell_defaults
+   use scene_dimension, only: is_axisymmetric, is_dual
    use step_method, only: stress_after, stress_average, stress_names, stress_remapped
+   use transfer_catalogue, only: choose_velocity
+   use transfer_velocity, only: velocity_t
    implicit none
    private
 
@@ -37,16 +42,14 @@ contains
    !> Set the defaults that depend on other keys.
    subroutine set_dependent_defaults(deck)
       type(deck_t), intent(inout) :: deck
-      character(len=:), allocatable :: method, dimension, alpha, transfer
-      logical :: paper, may
-      type(group_t) :: run, group
+      character(len=:), allocatable :: alpha
+      class(velocity_t), allocatable :: transfer
+      logical :: axisymmetric, paper, may
+      type(group_t) :: group
 
-      run = deck%group("run", 1)
-      call run%get("method", method)
-      call run%get("dimension", dimension)
       group = deck%group("method", 1)
       call group%get("paper", paper)
-      if (method /= "ddmp") then
+      if (.not. is_dual(deck)) then
          if (.not. group%given("transfer")) call deck%set_default("method", 1, "transfer", "flip")
          if (.not. group%given("stress_update")) &
             call deck%set_default("method", 1, "stress_update", trim(stress_names(stress_remapped)))
@@ -60,14 +63,26 @@ contains
          return
       end if
       call group%get("alpha", alpha)
+      axisymmetric = is_axisymmetric(deck)
       if (.not. group%given("blend")) call deck%set_default("method", 1, "blend", &
-         trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
-      call group%get("transfer", transfer)
+         trim(merge("smooth", "linear", alpha == "split" .and. .not. axisymmetric)))
+      call find_transfer(group, transfer)
       ! a whole linear velocity field of the particles gains energy without bound with usl
       if (.not. group%given("stress_update")) call deck%set_default("method", 1, "stress_update", &
          trim(stress_names(merge(stress_remapped, stress_after, &
-         any(transfer == ["apic ", "aflip"])))))
+         transfer%affine() .and. .not. transfer%turning()))))
    end subroutine set_dependent_defaults
+
+   !> The transfer that the deck names; that of FLIP if the word is wrong.
+   subroutine find_transfer(group, transfer)
+      type(group_t), intent(in) :: group             !! &method
+      class(velocity_t), allocatable, intent(out) :: transfer
+      character(len=:), allocatable :: word
+
+      call group%get("transfer", word)
+      call choose_velocity(word, transfer)
+      if (.not. allocated(transfer)) call choose_velocity("flip", transfer)
+   end subroutine find_transfer
 
    !> In contact, elastic bodies are strained with the velocities of their particles (musl):
    !! straining with the node velocities dissipates 3 to 5 % of their energy in a collision.
@@ -75,15 +90,15 @@ contains
    !! doc/theory/contact.md.
    subroutine set_contact_default(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
-      character(len=:), allocatable :: transfer
+      class(velocity_t), allocatable :: transfer
       logical :: acts, paper
       type(group_t) :: effects, group
 
       group = deck%group("method", 1)
       call group%get("paper", paper)
       if (paper .or. group%given("stress_update") .or. deck%count("body") < 2) return
-      call group%get("transfer", transfer)
-      if (all(transfer /= ["rflip", "aflip", "flip "])) return
+      call find_transfer(group, transfer)
+      if (transfer%filters()) return
       effects = deck%group("effects", 1)
       call effects%get("contact", acts)
       if (acts) call deck%set_default("method", 1, "stress_update", &
@@ -110,17 +125,20 @@ contains
    !! part that could replace it, so transfers with such fields are refused.
    subroutine set_turn_default(deck)
       type(deck_t), intent(inout) :: deck
-      character(len=:), allocatable :: transfer, update, turn
+      character(len=:), allocatable :: word, update, turn
+      class(velocity_t), allocatable :: transfer
       type(group_t) :: group
 
       group = deck%group("method", 1)
-      call group%get("transfer", transfer)
+      call group%get("transfer", word)
+      call find_transfer(group, transfer)
       call group%get("stress_update", update)
       if (update /= stress_names(stress_average)) return
-      if (any(transfer == ["aflip", "apic "])) call deck%add_error(group, "stress_update = "// &
-         "'usavg' generates energy without bound with transfer = '"//transfer//"'; write "// &
+      if (.not. transfer%affine()) return
+      if (.not. transfer%turning()) call deck%add_error(group, "stress_update = "// &
+         "'usavg' generates energy without bound with transfer = '"//word//"'; write "// &
          "transfer = 'rflip' or remove stress_update [D355]", "stress_update")
-      if (transfer /= "rflip") return
+      if (.not. transfer%turning()) return
       if (.not. group%given("turn_from")) then
          call deck%set_default("method", 1, "turn_from", "tiles")
          return
@@ -170,13 +188,11 @@ contains
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
    subroutine check_normalise(deck)
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      character(len=:), allocatable :: method, word
+      character(len=:), allocatable :: word
       logical :: may
-      type(group_t) :: run, group
+      type(group_t) :: group
 
-      run = deck%group("run", 1)
-      call run%get("method", method)
-      if (method /= "ddmp") return
+      if (.not. is_dual(deck)) return
       group = deck%group("method", 1)
       call group%get("normalise", word)
       may = may_normalise(deck)
@@ -188,17 +204,19 @@ contains
    !> Does the rule of the dual gradient allow normalised sums?
    logical function may_normalise(deck) result(may)
       type(deck_t), intent(in) :: deck
-      character(len=:), allocatable :: limiter, quadrature, surface
+      character(len=:), allocatable :: limiter, surface, word
+      class(quadrature_t), allocatable :: quadrature
       logical :: paper
       type(group_t) :: group
 
       group = deck%group("method", 1)
-      call group%get("quadrature", quadrature)
+      call group%get("quadrature", word)
+      call choose_quadrature(word, quadrature)
       call group%get("free_surface", surface)
       call group%get("viscosity_limiter", limiter)
       call group%get("paper", paper)
-      may = .not. paper .and. quadrature == "point" .and. surface == "fill" .and. &
-         limiter == "none"
+      may = allocated(quadrature) .and. .not. paper .and. surface == "fill" .and. limiter == "none"
+      if (may) may = quadrature%is_plain()
    end function may_normalise
 
    !> Set the keys that the scheme of LA-UR-11-06616 fixes, and refuse other values of them.

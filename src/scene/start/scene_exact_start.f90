@@ -3,7 +3,8 @@
 module scene_exact_start
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
-   use exact_solution, only: determinant, exact_t, inverse
+   use base_matrix, only: determinant, inverse
+   use exact_solution, only: exact_t
    use particle_place, only: place_tile
    use particle_store, only: moved_out, store_t
    use step_simulation, only: simulation_t

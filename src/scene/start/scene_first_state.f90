@@ -3,7 +3,7 @@
 !! calls it after `scene_setup` and before `run_time_loop`, where no checkpoint is read.
 module scene_first_state
    use base_error, only: error_t
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use scene_burn_times, only: light_explosives
    use scene_exact_start, only: place_exact, strain_exact
    use scene_lithostatic, only: add_weight_stress

@@ -6,7 +6,7 @@ module scene_setup
    use deck_reader, only: deck_t, group_t
    use material_kinds, only: all_gases, any_gas, stores_work
    use material_record, only: read_record
-   use particle_fill, only: body_t
+   use particle_body, only: body_t
    use scene_absorbing, only: read_absorbing
    use scene_bodies, only: read_bodies
    use scene_boundary, only: read_boundaries, read_walls

@@ -15,6 +15,7 @@ module basis_cpgimp
    type, extends(basis_gimp_t) :: basis_cpgimp_t
    contains
       procedure :: request => cpgimp_request         !! Particles carry a size that changes
+      procedure :: suits_cell => cpgimp_suits_cell   !! Not with boxes that stretch along the axes
    end type basis_cpgimp_t
 
 contains
@@ -27,4 +28,11 @@ contains
       traits%extent = .true.
       traits%stretching = .true.
    end subroutine cpgimp_request
+
+   !> The boxes stretch along the axes of space, not along those of the mesh.
+   pure logical function cpgimp_suits_cell(self) result(yes)
+      class(basis_cpgimp_t), intent(in) :: self
+
+      yes = .false.
+   end function cpgimp_suits_cell
 end module basis_cpgimp

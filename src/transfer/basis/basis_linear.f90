@@ -25,6 +25,8 @@ module basis_linear
    !> Linear shape functions. Each map has its own kernel.
    type, extends(basis_t) :: basis_linear_t
    contains
+      procedure :: is_linear => linear_is_linear
+      procedure :: suits_cell => linear_suits_cell
       procedure :: locate => linear_locate
       procedure :: scatter_values => linear_scatter_values
       procedure :: scatter_affine => linear_scatter_affine
@@ -37,6 +39,20 @@ module basis_linear
    end type basis_linear_t
 
 contains
+
+   !> These are the linear functions.
+   pure logical function linear_is_linear(self) result(yes)
+      class(basis_linear_t), intent(in) :: self
+
+      yes = .true.
+   end function linear_is_linear
+
+   !> Particles have no fields that follow the mesh.
+   pure logical function linear_suits_cell(self) result(yes)
+      class(basis_linear_t), intent(in) :: self
+
+      yes = .true.
+   end function linear_suits_cell
 
    !> Cells and local coordinates.
    pure subroutine linear_locate(self, grid, coordinate, store, tile, shape)

@@ -22,6 +22,8 @@ module transfer_basis
       procedure :: margin => basis_margin            !! Layers of nodes reached beyond a tile
       procedure :: at_wall => basis_at_wall          !! Integral of the function of a wall
       procedure :: band_width => basis_band_width    !! Width of a crack across a cell
+      procedure :: is_linear => basis_is_linear      !! Are its functions linear in each cell?
+      procedure :: suits_cell => basis_suits_cell    !! May the mesh deform with its cell?
       procedure :: declare => basis_declare          !! Declares its keys, if it has any
       procedure :: request => basis_request !! Requests fields of particles
       procedure(locate_i), deferred :: locate        !! Finds the shape data of a tile
@@ -146,6 +148,20 @@ contains
 
       width = 1.0_wp
    end function basis_band_width
+
+   !> Are the functions the linear ones, which reach only the nodes of the own cell?
+   pure logical function basis_is_linear(self) result(yes)
+      class(basis_t), intent(in) :: self
+
+      yes = .false.
+   end function basis_is_linear
+
+   !> May the mesh deform with a periodic cell? Fields of particles that follow the mesh forbid it.
+   pure logical function basis_suits_cell(self) result(yes)
+      class(basis_t), intent(in) :: self
+
+      yes = .false.
+   end function basis_suits_cell
 
    !> Declare the keys of &method that belong to the basis. Most have none.
    subroutine basis_declare(self, schema)

@@ -21,6 +21,7 @@ module transfer_tensor
    type, abstract, extends(basis_t) :: basis_tensor_t
    contains
       procedure :: margin => tensor_margin           !! Layers of nodes beyond a tile
+      procedure :: suits_cell => tensor_suits_cell   !! May the mesh deform with its cell?
       procedure :: reach => tensor_reach             !! Nodes of a line that are touched
       procedure :: locate => tensor_locate           !! Local coordinates and functions
       procedure(find_overhang_i), deferred :: find_overhang !! How far functions reach
@@ -65,6 +66,13 @@ module transfer_tensor
    end interface
 
 contains
+
+   !> Products of functions along the edges of the mesh deform with it.
+   pure logical function tensor_suits_cell(self) result(yes)
+      class(basis_tensor_t), intent(in) :: self
+
+      yes = .true.
+   end function tensor_suits_cell
 
    !> One layer of nodes beyond a tile.
    pure integer function tensor_margin(self) result(margin)

@@ -7,7 +7,7 @@
 !! the field for any positions of particles. Equation (Q.10) of doc/theory/quadratures.md.
 module transfer_moments
    use base_kinds, only: wp
-   use mesh_box, only: determinant
+   use base_matrix, only: determinant
    use mesh_grid, only: grid_t, lane_bit, lanes
    implicit none
    private

@@ -10,7 +10,8 @@
 module transfer_scatter_affine
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use transfer_scatter_space, only: a1, a2, b1, b2, edges
+   use transfer_edges, only: edges
+   use transfer_scatter_space, only: a1, a2, b1, b2
    implicit none
    private
 

@@ -13,6 +13,7 @@
 module transfer_scatter_space
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
+   use transfer_edges, only: edges
    implicit none
    private
 
@@ -20,7 +21,6 @@ module transfer_scatter_space
 
    integer, parameter :: batch = 64                   !! Particles that are prepared at once
    integer, parameter :: block = 4                   !! Columns that are added at once
-   integer, parameter, public :: edges = lanes/2     !! Number of edges of a cell along a direction
    !> Function of an edge: constant and slope along the first of the two other directions, then
    !! along the second.
    real(wp), parameter, public :: a1(edges) = [1.0_wp, 0.0_wp, 1.0_wp, 0.0_wp]

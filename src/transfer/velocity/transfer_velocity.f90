@@ -31,6 +31,7 @@ module transfer_velocity
       procedure :: read => velocity_read             !! Reads the keys
       procedure :: affine => velocity_affine         !! Do particles carry a linear velocity field?
       procedure :: turning => velocity_turning       !! True if particles carry the rotation only
+      procedure :: filters => velocity_filters       !! Does it smooth velocities without forces?
       procedure :: flip_fraction => velocity_flip_fraction
       procedure :: sweeps => velocity_sweeps         !! Terms n of the series
       procedure :: first_term => velocity_first_term !! First term of the series
@@ -69,6 +70,13 @@ contains
 
       turning = .false.
    end function velocity_turning
+
+   !> Do particles take the velocity of the nodes, so that a step without forces smooths it?
+   pure logical function velocity_filters(self) result(yes)
+      class(velocity_t), intent(in) :: self
+
+      yes = .true.
+   end function velocity_filters
 
    !> FLIP fraction: fraction of its old velocity that a particle keeps in a step.
    pure real(wp) function velocity_flip_fraction(self) result(fraction)

@@ -18,6 +18,7 @@ module velocity_flip
    contains
       procedure :: declare => flip_declare           !! Key of the FLIP fraction
       procedure :: read => flip_read                 !! Reads it
+      procedure :: filters => flip_filters           !! Particles keep their velocity
       procedure :: flip_fraction => flip_flip_fraction
    end type velocity_flip_t
 
@@ -40,6 +41,13 @@ contains
 
       call group%get("flip", self%share)
    end subroutine flip_read
+
+   !> Particles keep their velocity and get the changes of the nodes.
+   pure logical function flip_filters(self) result(yes)
+      class(velocity_flip_t), intent(in) :: self
+
+      yes = .false.
+   end function flip_filters
 
    !> FLIP fraction: fraction of its old velocity that a particle keeps in a step.
    pure real(wp) function flip_flip_fraction(self) result(fraction)
