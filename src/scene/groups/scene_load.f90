@@ -7,12 +7,10 @@ module scene_load
    use base_text, only: text_t
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
-   use mesh_grid, only: grid_t
    use mesh_motion, only: motion_t
    use mesh_surface_load, only: mark_tile, surface_load_t
    use particle_closed_loads, only: find_closed_loads
    use particle_fill, only: body_t
-   use particle_store, only: store_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
@@ -82,6 +80,8 @@ contains
       character(len=:), allocatable :: region
       logical :: follow
       integer :: n, place
+      real(wp), parameter :: resolution = 1.0e6_wp
+      integer(int64) :: way(7)
 
       call group%get("name", load%name)
       call read_stress(deck, group, load%stress)
@@ -106,24 +106,14 @@ contains
             if (place > 0) load%bodies = [load%bodies, int(place, int64)]
          end do
       end if
-      call set_keys(region, load)
-   end subroutine read_one
-
-   !> Set the keys by which a restart finds the load in a checkpoint.
-   pure subroutine set_keys(region, load)
-      character(len=*), intent(in) :: region         !! Its name
-      type(surface_load_t), intent(inout) :: load
-      real(wp), parameter :: resolution = 1.0e6_wp
-      integer(int64) :: way(7)
-      integer :: n
-
+      ! the keys by which a restart finds the load in a checkpoint
       load%region_key = hash_text(region)
       way = 0
       if (norm2(load%stress) > 0.0_wp) way(:6) = nint(resolution*load%stress/norm2(load%stress), &
          int64)
       if (allocated(load%bodies)) way(7) = sum(2_int64**mod(load%bodies, 60_int64))
       load%surface_key = hash_integers(load%region_key, [(int(n, int64), n=1, size(way))], way)
-   end subroutine set_keys
+   end subroutine read_one
 
    !> Set the functions of the loads that follow the material, and find which loads act on closed
    !! surfaces: at the start, or at a restart for those that the checkpoint does not have.
@@ -133,7 +123,7 @@ contains
       logical, intent(in), optional :: marked(:)     !! (load) Particles have its functions
       logical, intent(in), optional :: known(:)      !! (load) It is known whether it is closed
       logical, allocatable :: has(:), judged(:)
-      integer :: n
+      integer :: n, index, tile
 
       if (.not. allocated(simulation%effects%loads)) return
       allocate (has(size(simulation%effects%loads)), judged(size(simulation%effects%loads)), &
@@ -142,33 +132,25 @@ contains
       if (present(known)) judged = known
       associate (loads => simulation%effects%loads)
          do n = 1, size(loads)
-            if (.not. has(n)) call mark_stores(simulation%space%grid, &
-               simulation%space%tiles%coordinate, loads(n:n), simulation%stores)
+            ! the function of the load at all particles
+            if (.not. has(n)) then
+               do index = 1, size(simulation%stores)
+                  associate (store => simulation%stores(index))
+                     if (.not. allocated(store%origin%marks)) cycle
+                     do tile = 1, size(store%count)
+                        call mark_tile(loads(n:n), simulation%space%grid, &
+                           simulation%space%tiles%coordinate(:, tile), store%first(tile), &
+                           store%count(tile), store%position, store%origin%marks)
+                     end do
+                  end associate
+               end do
+            end if
             if (.not. judged(n)) call find_closed_loads(simulation%machine%communicator, &
                simulation%space%grid, simulation%space%tiles%coordinate, simulation%stores, &
                loads(n:n))
          end do
       end associate
    end subroutine mark_particles
-
-   !> Set the function of a load at all particles.
-   subroutine mark_stores(grid, tiles, load, stores)
-      type(grid_t), intent(in) :: grid
-      integer, contiguous, intent(in) :: tiles(:, :) !! (direction, tile) Tiles, counted from 0
-      type(surface_load_t), intent(in) :: load(1)
-      type(store_t), intent(inout) :: stores(:)      !! With particles in their tiles
-      integer :: index, tile
-
-      do index = 1, size(stores)
-         associate (store => stores(index))
-            if (.not. allocated(store%origin%marks)) cycle
-            do tile = 1, size(store%count)
-               call mark_tile(load, grid, tiles(:, tile), store%first(tile), store%count(tile), &
-                  store%position, store%origin%marks)
-            end do
-         end associate
-      end do
-   end subroutine mark_stores
 
    !> Do the bounding boxes of a body of a load and of its region overlap?
    pure logical function finds_body(load, bodies) result(finds)
