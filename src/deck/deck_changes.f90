@@ -245,7 +245,7 @@ contains
    pure subroutine read_echo(text, groups)
       character(len=*), intent(in) :: text
       type(echo_groups_t), intent(out) :: groups              !! Content
-      integer :: first, last
+      integer :: first, last, n, name, earlier, alike
 
       allocate (groups%group(8))
       first = 1
@@ -255,7 +255,23 @@ contains
          if (last >= first) call read_line(text(first:last), groups)
          first = last + 2
       end do
-      call name_groups(groups)
+      ! groups are labelled by their name if they have one, else by their number within their kind
+      do n = 1, groups%count
+         associate (group => groups%group(n))
+            name = index_of_key(group, "name")
+            alike = 0
+            do earlier = 1, n
+               if (groups%group(earlier)%kind == group%kind) alike = alike + 1
+            end do
+            if (name > 0) then
+               group%label = group%kind//" "//group%entries(name)%value
+            else if (group%kind == "boundary" .or. alike > 1) then
+               group%label = group%kind//"["//number_text(alike)//"]"
+            else
+               group%label = group%kind
+            end if
+         end associate
+      end do
    end subroutine read_echo
 
    !> Parse one line of an echo.
@@ -315,27 +331,4 @@ contains
       group%entries(group%count)%value = value
       group%entries(group%count)%default = default
    end subroutine read_key
-
-   !> Label groups by their name if they have one, else by their number within their kind.
-   pure subroutine name_groups(groups)
-      type(echo_groups_t), intent(inout) :: groups            !! Get labels
-      integer :: n, name, earlier, alike
-
-      do n = 1, groups%count
-         associate (group => groups%group(n))
-            name = index_of_key(group, "name")
-            alike = 0
-            do earlier = 1, n
-               if (groups%group(earlier)%kind == group%kind) alike = alike + 1
-            end do
-            if (name > 0) then
-               group%label = group%kind//" "//group%entries(name)%value
-            else if (group%kind == "boundary" .or. alike > 1) then
-               group%label = group%kind//"["//number_text(alike)//"]"
-            else
-               group%label = group%kind
-            end if
-         end associate
-      end do
-   end subroutine name_groups
 end module deck_changes

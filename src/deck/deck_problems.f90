@@ -248,7 +248,14 @@ contains
       if (filled > size(self%entries)) then
          allocate (longer(2*filled))
          do i = 1, filled - 1
-            call move_problem(self%entries(i), longer(i))
+            associate (from => self%entries(i), to => longer(i))
+               call move_alloc(from%file, to%file)
+               call move_alloc(from%text, to%text)
+               if (allocated(from%common)) call move_alloc(from%common, to%common)
+               to%copies = from%copies
+               to%line = from%line
+               to%is_error = from%is_error
+            end associate
          end do
          call move_alloc(longer, self%entries)
       end if
@@ -260,19 +267,6 @@ contains
       call split_copy_message(self%repeated, text, which, label, rest)
       if (which > 0) self%entries(filled)%common = label//without_numbers(rest)
    end subroutine record_problem
-
-   !> Move an entry.
-   pure subroutine move_problem(from, to)
-      type(problem_t), intent(inout) :: from             !! Emptied
-      type(problem_t), intent(inout) :: to               !! Filled
-
-      call move_alloc(from%file, to%file)
-      call move_alloc(from%text, to%text)
-      if (allocated(from%common)) call move_alloc(from%common, to%common)
-      to%copies = from%copies
-      to%line = from%line
-      to%is_error = from%is_error
-   end subroutine move_problem
 
    !> All errors and warnings, one a line, file by file in the order of the lines, and their count.
    function problems_report(self, files, groups) result(text)

@@ -48,7 +48,7 @@ contains
       type(namelist_t) :: namelist
       type(problems_t) :: ignored
       character(len=:), allocatable :: text
-      integer :: at, i
+      integer :: at, i, k, lines
 
       call read_plain_text(path, text, error)
       if (allocated(error)) return
@@ -61,22 +61,12 @@ contains
             call include_file(block, path, chain, buffer, error)
             if (allocated(error)) return
             at = block%last + 1
-            call buffer%add(file_mark(path, 1 + lines_in(text(:block%last))))
+            lines = count([(text(k:k) == newline, k=1, block%last)])
+            call buffer%add(file_mark(path, 1 + lines))
          end associate
       end do
       call buffer%line(text(at:))
    end subroutine append_file
-
-   !> Number of line ends in a text.
-   pure integer function lines_in(text) result(lines)
-      character(len=*), intent(in) :: text               !! Text
-      integer :: i
-
-      lines = 0
-      do i = 1, len(text)
-         if (text(i:i) == newline) lines = lines + 1
-      end do
-   end function lines_in
 
    !> Append the file that an &include names.
    recursive subroutine include_file(block, path, chain, buffer, error)

@@ -94,8 +94,8 @@ contains
                   "move its region or widen &grid [D409]", "region")
             else
                call deck%add_error("body", n, "holds no particle: its region "// &
-                  "is thinner than the lattice of dx/ppc, empty, or covered by later bodies "// &
-                  "[D410]", "region")
+                  "is thinner than the lattice of dx/ppc, empty, or covered by later "// &
+                  "bodies [D410]", "region")
             end if
             cycle
          end if

@@ -2,6 +2,7 @@
 !> Stores and particles of a simulation: empty ones for `scene_setup`, filled ones for
 !! `scene_first_state`, and particles of a checkpoint distributed over ranks.
 module scene_particles
+   use base_communicator, only: communicator_t
    use base_elementary, only: cross
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
@@ -252,44 +253,22 @@ contains
    subroutine spin_bodies(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! With particles
       type(body_t), intent(in) :: bodies(:)
-      real(wp) :: centre(3), arm(3)
+      real(wp) :: centre(3), spin(3)
       integer(int64) :: first, last
-      integer :: body, tile, p, k
-      type(exact_sum_t) :: sums(4)
+      integer :: body, tile, p
 
       do body = 1, size(bodies)
-         if (.not. any(abs(bodies(body)%spin) > 0.0_wp)) cycle
+         spin = bodies(body)%spin
+         if (.not. any(abs(spin) > 0.0_wp)) cycle
          first = bodies(body)%first_identity
          last = first + product(bodies(body)%sites(simulation%space%grid)) - 1
-         associate (store => simulation%stores(bodies(body)%store), spin => bodies(body)%spin)
-            ! centre of mass on all ranks
-            do k = 1, 4
-               call sums(k)%clear()
-            end do
+         associate (store => simulation%stores(bodies(body)%store))
+            call find_centre(simulation%machine%communicator, store, first, last, centre)
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (store%identity(p) < first .or. store%identity(p) > last) cycle
-                  do k = 1, 3
-                     call sums(k)%add(store%state%mass(p)*store%position(p, k))
-                  end do
-                  call sums(4)%add(store%state%mass(p))
-               end do
-            end do
-            do k = 1, 4
-               call sums(k)%over_ranks(simulation%machine%communicator)
-            end do
-            centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
-            ! velocities of the rotation
-            do tile = 1, size(store%count)
-               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  if (store%identity(p) < first .or. store%identity(p) > last) cycle
-                  do k = 1, 3
-                     arm(k) = store%position(p, k) - centre(k)
-                  end do
-                  arm = cross(spin, arm)
-                  do k = 1, 3
-                     store%velocity(p, k) = store%velocity(p, k) + arm(k)
-                  end do
+                  store%velocity(p, :) = store%velocity(p, :) &
+                     + cross(spin, store%position(p, :) - centre)
                   if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
                      -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
                   if (allocated(store%spin)) store%spin(p, :) = spin
@@ -298,6 +277,33 @@ contains
          end associate
       end do
    end subroutine spin_bodies
+
+   !> Centre of mass of the particles of a range of identities, on all ranks [m].
+   subroutine find_centre(communicator, store, first, last, centre)
+      type(communicator_t), intent(in) :: communicator !! Its ranks hold the particles
+      type(store_t), intent(in) :: store
+      integer(int64), intent(in) :: first, last      !! Least and greatest identity
+      real(wp), intent(out) :: centre(3)             !! [m]
+      type(exact_sum_t) :: sums(4)
+      integer :: tile, p, k
+
+      do k = 1, 4
+         call sums(k)%clear()
+      end do
+      do tile = 1, size(store%count)
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            if (store%identity(p) < first .or. store%identity(p) > last) cycle
+            do k = 1, 3
+               call sums(k)%add(store%state%mass(p)*store%position(p, k))
+            end do
+            call sums(4)%add(store%state%mass(p))
+         end do
+      end do
+      do k = 1, 4
+         call sums(k)%over_ranks(communicator)
+      end do
+      centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
+   end subroutine find_centre
 
    !> Index of the body of a particle.
    pure integer function body_of(bodies, identity) result(body)
@@ -360,7 +366,7 @@ contains
       integer(int64), allocatable :: whole(:, :), longer(:, :)
       integer(int64) :: key
       integer :: index, n, filled, owner(3), cells(3)
-      logical :: lost
+      logical :: again, lost
 
       allocate (run(2, 64))
       filled = 0
@@ -371,11 +377,11 @@ contains
                   position(n, 2), position(n, 3)], owner, cells, lost)
                key = hilbert_key(owner, simulation%space%grid%dimensions)
                ! it belongs to the last run, or begins a new one in another tile
-               if (filled > 0) then
-                  if (run(1, filled) == key) then
-                     run(2, filled) = run(2, filled) + 1
-                     cycle
-                  end if
+               again = filled > 0
+               if (again) again = run(1, filled) == key
+               if (again) then
+                  run(2, filled) = run(2, filled) + 1
+                  cycle
                end if
                if (filled == size(run, 2)) then
                   allocate (longer(2, 2*filled))

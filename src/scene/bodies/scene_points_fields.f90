@@ -54,21 +54,19 @@ contains
          associate (store => simulation%stores(bodies(n)%store), &
             points => shapes(bodies(n)%region)%points)
             ! its particles and their rows
-            associate (body => bodies(n))
-               if (allocated(putter%particle)) deallocate (putter%particle, putter%row)
-               allocate (putter%particle(store%particles()), putter%row(store%particles()))
-               found = 0
-               do tile = 1, size(store%count)
-                  do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                     row = store%identity(p) - body%first_identity + 1
-                     if (row < 1 .or. row > size(points%list%position, 2)) cycle
-                     found = found + 1
-                     putter%particle(found) = p
-                     putter%row(found) = row
-                  end do
+            if (allocated(putter%particle)) deallocate (putter%particle, putter%row)
+            allocate (putter%particle(store%particles()), putter%row(store%particles()))
+            found = 0
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  row = store%identity(p) - bodies(n)%first_identity + 1
+                  if (row < 1 .or. row > size(points%list%position, 2)) cycle
+                  found = found + 1
+                  putter%particle(found) = p
+                  putter%row(found) = row
                end do
-               putter%count = found
-            end associate
+            end do
+            putter%count = found
             if (allocated(points%list%velocity)) then
                putter%name = "velocity"
                putter%adds = .true.

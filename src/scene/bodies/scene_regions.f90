@@ -265,8 +265,8 @@ contains
       shapes(index)%ready = .true.
    end subroutine build
 
-   !> A shape of few numbers. In directions without cells a box is unbounded and the centre is at the
-   !! coordinate of the particles.
+   !> A shape of few numbers. In directions without cells a box is unbounded and the centre is at
+   !! the coordinate of the particles.
    subroutine build_solid(grid, group, word, holder)
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group

@@ -15,6 +15,7 @@ module scene_unit_warnings
       character(len=14) :: key                           !! Key of &material
       real(wp) :: least                                  !! [SI]
       real(wp) :: most                                   !! [SI]
+      character(len=8) :: unit                           !! Of the key
       character(len=53) :: light                         !! Warning below the range
       character(len=53) :: heavy                         !! Warning above the range
    end type usual_t
@@ -23,13 +24,16 @@ module scene_unit_warnings
    !! capacity of lead and hydrogen; the shear modulus of metals increases by a few per cent per
    !! gigapascal (D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980) 1498).
    type(usual_t), parameter :: usual(4) = [ &
-      usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene [D501]", &
+      usual_t("density       ", 15.0_wp, 2.5e4_wp, "kg/m3   ", &
+      "is lighter than polystyrene [D501]", &
       "is heavier than osmium [D502]"), &
-      usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "is slower than a wave in soft foam [D504]", &
+      usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "m/s     ", &
+      "is slower than a wave in soft foam [D504]", &
       "is faster than any wave in a material [D504]"), &
-      usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any material [D504]", &
+      usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "J/(kg K)", &
+      "is less than that of any material [D504]", &
       "is more than that of hydrogen [D504]"), &
-      usual_t("scg_gp        ", 0.0_wp, 1.0e-7_wp, "", &
+      usual_t("scg_gp        ", 0.0_wp, 1.0e-7_wp, "1/Pa    ", "", &
       "is that of a table per Mbar (6.52 is 6.52e-11) [D505]")]
    real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in materials [m/s]
 
@@ -56,8 +60,8 @@ contains
          if (value < it%least .and. it%key == "density" .and. is_gas(material)) what = ""
          if (value > it%most) what = trim(it%heavy)
          if (what == "") cycle
-         call deck%warn(material, trim(it%key)//" = "//brief(value)//" "//unit_of_key(it%key)// &
-            what//question(deck), trim(it%key))
+         call deck%warn(material, trim(it%key)//" = "//brief(value)//" "//trim(it%unit)// &
+            " "//what//question(deck), trim(it%key))
          if (it%key == "density") return
       end do
       call check_wave(deck, material)
@@ -85,23 +89,6 @@ contains
       end if
       yes = speed > slow .and. speed < fast
    end function is_gas
-
-   !> Unit of a key, followed by a blank, for messages.
-   pure function unit_of_key(key) result(unit)
-      character(len=*), intent(in) :: key                !! One of `usual`
-      character(len=:), allocatable :: unit
-
-      select case (key)
-      case ("density")
-         unit = "kg/m3 "
-      case ("mg_c0")
-         unit = "m/s "
-      case ("specific_heat")
-         unit = "J/(kg K) "
-      case default
-         unit = "1/Pa "
-      end select
-   end function unit_of_key
 
    !> Hint about units, which depends on whether the deck sets them.
    function question(deck) result(text)

@@ -118,32 +118,30 @@ contains
       ! the cells adjacent to the boundary whose middle is in a body, or that contain a particle of
       ! its list; where bodies overlap, the later one counts
       do n = 1, size(bodies)
-         associate (body => bodies(n))
-            normal = ishft(face + 1, -1)
-            do z = 0, ubound(beside, 3)
-               do y = 0, ubound(beside, 2)
-                  do x = 0, ubound(beside, 1)
-                     place = grid%lower + (real([x, y, z], wp) + 0.5_wp)*grid%spacing
-                     where (.not. grid%active) place = merge(0.0_wp, &
-                        0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
-                     if (mod(face, 2) == 0) place(normal) = grid%upper(normal) - 0.5_wp*grid%spacing
-                     if (body%shape%contains(place)) beside(x, y, z) = body%store
-                  end do
+         normal = ishft(face + 1, -1)
+         do z = 0, ubound(beside, 3)
+            do y = 0, ubound(beside, 2)
+               do x = 0, ubound(beside, 1)
+                  place = grid%lower + (real([x, y, z], wp) + 0.5_wp)*grid%spacing
+                  where (.not. grid%active) place = merge(0.0_wp, &
+                     0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
+                  if (mod(face, 2) == 0) place(normal) = grid%upper(normal) - 0.5_wp*grid%spacing
+                  if (bodies(n)%shape%contains(place)) beside(x, y, z) = bodies(n)%store
                end do
             end do
-            if (.not. allocated(body%given)) cycle
-            select type (points => body%given)
-            type is (points_t)
-               position = points%positions()
-               do point = 1, size(position, 2)
-                  cell = min(max(floor((position(:, point) - grid%lower)/grid%spacing), 0), &
-                     grid%cells - 1)
-                  if (cell(normal) /= merge(0, grid%cells(normal) - 1, mod(face, 2) == 1)) cycle
-                  cell(normal) = 0
-                  beside(cell(1), cell(2), cell(3)) = body%store
-               end do
-            end select
-         end associate
+         end do
+         if (.not. allocated(bodies(n)%given)) cycle
+         select type (points => bodies(n)%given)
+         type is (points_t)
+            position = points%positions()
+            do point = 1, size(position, 2)
+               cell = min(max(floor((position(:, point) - grid%lower)/grid%spacing), 0), &
+                  grid%cells - 1)
+               if (cell(normal) /= merge(0, grid%cells(normal) - 1, mod(face, 2) == 1)) cycle
+               cell(normal) = 0
+               beside(cell(1), cell(2), cell(3)) = bodies(n)%store
+            end do
+         end select
       end do
       do z = 0, ubound(beside, 3)
          do y = 0, ubound(beside, 2)

@@ -6,7 +6,7 @@ module scene_boundary
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
    use io_motion, only: of_velocities
-   use mesh_boundary, only: boundary_t, face_names
+   use mesh_boundary, only: face_names
    use mesh_boundary_catalogue, only: boundary_names, choose_boundary
    use mesh_boundary_condition, only: boundary_condition_t, normal_direction
    use mesh_rigid, only: rigid_t
@@ -247,11 +247,30 @@ contains
    subroutine read_boundaries(deck, simulation)
       type(deck_t), intent(in) :: deck
       type(simulation_t), intent(inout) :: simulation
-      integer :: face, k
+      integer :: face, k, index, n
+      logical :: is_axis
+      character(len=:), allocatable :: kind
+      type(group_t) :: group
 
       associate (boundary => simulation%space%boundary, grid => simulation%space%grid)
          do face = 1, 6
-            call read_boundary(deck, face, grid%axisymmetric .and. face == 1, boundary)
+            ! a boundary without a &boundary is open; the axis of symmetry mirrors
+            is_axis = grid%axisymmetric .and. face == 1
+            if (is_axis) call boundary%impose("symmetry", [face])
+            index = group_of(deck, face)
+            if (index == 0) cycle
+            group = deck%group("boundary", index)
+            boundary%warm(face) = group%given("temperature")
+            if (boundary%warm(face)) call group%get("temperature", boundary%temperature(face))
+            if (is_axis) cycle
+            call group%get("type", kind)
+            call boundary%impose(kind, [face])
+            n = boundary%whole(face)
+            associate (wall => boundary%wall(n))
+               call wall%condition%read(group)
+               call group%get("velocity", wall%motion%steady)
+               wall%condition%velocity = wall%motion%steady
+            end associate
          end do
          grid%wall = [(boundary%acts_on(face), face=1, 6)]
          do k = 1, 3
@@ -259,33 +278,6 @@ contains
          end do
       end associate
    end subroutine read_boundaries
-
-   !> Read one whole boundary; open without a &boundary.
-   subroutine read_boundary(deck, face, is_axis, boundary)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: face                    !! 1 to 6
-      logical, intent(in) :: is_axis                 !! The axis of symmetry mirrors
-      type(boundary_t), intent(inout) :: boundary    !! Gets the condition
-      character(len=:), allocatable :: kind
-      type(group_t) :: group
-      integer :: index, n
-
-      if (is_axis) call boundary%impose("symmetry", [face])
-      index = group_of(deck, face)
-      if (index == 0) return
-      group = deck%group("boundary", index)
-      boundary%warm(face) = group%given("temperature")
-      if (boundary%warm(face)) call group%get("temperature", boundary%temperature(face))
-      if (is_axis) return
-      call group%get("type", kind)
-      call boundary%impose(kind, [face])
-      n = boundary%whole(face)
-      associate (wall => boundary%wall(n))
-         call wall%condition%read(group)
-         call group%get("velocity", wall%motion%steady)
-         wall%condition%velocity = wall%motion%steady
-      end associate
-   end subroutine read_boundary
 
    !> Index of the &boundary of a whole boundary, 0 = none: one that names it, or else one for all.
    integer function group_of(deck, face) result(found)

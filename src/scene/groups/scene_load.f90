@@ -7,10 +7,12 @@ module scene_load
    use base_text, only: text_t
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
+   use mesh_grid, only: grid_t
    use mesh_motion, only: motion_t
    use mesh_surface_load, only: mark_tile, surface_load_t
    use particle_closed_loads, only: find_closed_loads
    use particle_fill, only: body_t
+   use particle_store, only: store_t
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
@@ -123,7 +125,7 @@ contains
       logical, intent(in), optional :: marked(:)     !! (load) Particles have its functions
       logical, intent(in), optional :: known(:)      !! (load) It is known whether it is closed
       logical, allocatable :: has(:), judged(:)
-      integer :: n, index, tile
+      integer :: n
 
       if (.not. allocated(simulation%effects%loads)) return
       allocate (has(size(simulation%effects%loads)), judged(size(simulation%effects%loads)), &
@@ -132,25 +134,33 @@ contains
       if (present(known)) judged = known
       associate (loads => simulation%effects%loads)
          do n = 1, size(loads)
-            ! the function of the load at all particles
-            if (.not. has(n)) then
-               do index = 1, size(simulation%stores)
-                  associate (store => simulation%stores(index))
-                     if (.not. allocated(store%origin%marks)) cycle
-                     do tile = 1, size(store%count)
-                        call mark_tile(loads(n:n), simulation%space%grid, &
-                           simulation%space%tiles%coordinate(:, tile), store%first(tile), &
-                           store%count(tile), store%position, store%origin%marks)
-                     end do
-                  end associate
-               end do
-            end if
+            if (.not. has(n)) call mark_stores(simulation%space%grid, &
+               simulation%space%tiles%coordinate, loads(n:n), simulation%stores)
             if (.not. judged(n)) call find_closed_loads(simulation%machine%communicator, &
                simulation%space%grid, simulation%space%tiles%coordinate, simulation%stores, &
                loads(n:n))
          end do
       end associate
    end subroutine mark_particles
+
+   !> Set the function of a load at all particles.
+   subroutine mark_stores(grid, tiles, load, stores)
+      type(grid_t), intent(in) :: grid
+      integer, contiguous, intent(in) :: tiles(:, :) !! (direction, tile) Tiles, counted from 0
+      type(surface_load_t), intent(in) :: load(1)
+      type(store_t), intent(inout) :: stores(:)      !! With particles in their tiles
+      integer :: index, tile
+
+      do index = 1, size(stores)
+         associate (store => stores(index))
+            if (.not. allocated(store%origin%marks)) cycle
+            do tile = 1, size(store%count)
+               call mark_tile(load, grid, tiles(:, tile), store%first(tile), store%count(tile), &
+                  store%position, store%origin%marks)
+            end do
+         end associate
+      end do
+   end subroutine mark_stores
 
    !> Do the bounding boxes of a body of a load and of its region overlap?
    pure logical function finds_body(load, bodies) result(finds)

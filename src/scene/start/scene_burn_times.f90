@@ -55,10 +55,7 @@ contains
             ! the box around all particles of explosives
             associate (store => simulation%stores(index))
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  do k = 1, 3
-                     bounds(k) = max(bounds(k), -store%position(p, k))
-                     bounds(3 + k) = max(bounds(3 + k), store%position(p, k))
-                  end do
+                  bounds = max(bounds, [-store%position(p, :), store%position(p, :)])
                end do
             end associate
          end do

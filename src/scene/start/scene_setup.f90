@@ -56,8 +56,7 @@ contains
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then
-         call check_volumes(deck, simulation)
-         call check_heat_flux(deck, simulation)
+         call check_method(deck, simulation)
       end if
       call read_boundaries(deck, simulation)
       simulation%space%grid%margin = simulation%scheme%method%margin()
@@ -121,32 +120,25 @@ contains
       end do
    end function is_sound
 
-   !> The fill of nodes, which corrects volumes, is found with the dual gradient.
-   subroutine check_volumes(deck, simulation)
+   !> What the method needs of the materials: internal energy for an artificial heat flux, and the
+   !! dual gradient for the fill of nodes, which corrects volumes.
+   subroutine check_method(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
-      if (simulation%scheme%method%dual) return
       do n = 1, size(simulation%materials)
+         if (simulation%scheme%method%dual) exit
          if (simulation%materials(n)%repacks) call deck%add_error("material", n, &
             "volume_from = 'grid' needs method = 'ddmp' in &run; remove it [D316]", "volume_from")
       end do
-   end subroutine check_volumes
-
-   !> Check that an artificial heat flux finds a material with internal energy.
-   subroutine check_heat_flux(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
-      integer :: n
-
       if (.not. simulation%scheme%method%heat_flux > 0.0_wp) return
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%carries_energy()) return
       end do
       call deck%add_error(deck%group("method", 1), "no material has an internal energy; "// &
          "remove heat_flux [D318]", "heat_flux")
-   end subroutine check_heat_flux
+   end subroutine check_method
 
    !> The materials.
    subroutine read_materials(deck, simulation)
