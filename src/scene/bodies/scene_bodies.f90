@@ -78,17 +78,30 @@ contains
    !> Check that there are bodies, and the velocity, spin and temperature of each.
    subroutine check_bodies(deck)
       type(deck_t), intent(inout) :: deck                !! Collects errors
+      character(len=:), allocatable :: dimension
+      type(group_t) :: body, run
+      real(wp) :: spin(3)
       integer :: i
 
+      run = deck%group("run")
+      call run%get("dimension", dimension)
       if (deck%count("body") == 0) call deck%add_error("body", 1, &
          "there is no body, so nothing to compute [D403]")
       do i = 1, deck%count("body")
-         call check_plane(deck, deck%group("body", i), "velocity")
-         call check_plane(deck, deck%group("body", i), "direction")
-         call check_plane(deck, deck%group("body", i), "repeat_step")
-         call check_speed(deck, deck%group("body", i))
-         call check_spin(deck, deck%group("body", i))
-         call check_kelvin(deck, deck%group("body", i), "temperature")
+         body = deck%group("body", i)
+         call check_plane(deck, body, "velocity")
+         call check_plane(deck, body, "direction")
+         call check_plane(deck, body, "repeat_step")
+         call check_speed(deck, body)
+         ! in a plane or on a line bodies turn only in the plane
+         if (dimension /= "3d" .and. body%given("spin") .and. body%known("spin")) then
+            call body%get("spin", spin)
+            if (dimension == "plane_strain") spin(2) = 0.0_wp
+            if (any(abs(spin) > 0.0_wp)) call deck%add_error(body, &
+               "spin leaves the plane of dimension = '"// &
+               dimension//"'; bodies rotate only in plane_strain, about y [D333]", "spin")
+         end if
+         call check_kelvin(deck, body, "temperature")
       end do
    end subroutine check_bodies
 
@@ -112,24 +125,6 @@ contains
             "direction must not be 0 in all components [D205]", "direction")
       end if
    end subroutine check_speed
-
-   !> In a plane or on a line bodies turn only in the plane.
-   subroutine check_spin(deck, body)
-      type(deck_t), intent(inout) :: deck
-      type(group_t), intent(in) :: body                  !! One body
-      character(len=:), allocatable :: dimension
-      real(wp) :: spin(3)
-      type(group_t) :: run
-
-      run = deck%group("run")
-      call run%get("dimension", dimension)
-      if (dimension == "3d" .or. .not. (body%given("spin") .and. body%known("spin"))) return
-      call body%get("spin", spin)
-      if (dimension == "plane_strain") spin(2) = 0.0_wp
-      if (any(abs(spin) > 0.0_wp)) call deck%add_error(body, &
-         "spin leaves the plane of dimension = '"// &
-         dimension//"'; bodies rotate only in plane_strain, about y [D333]", "spin")
-   end subroutine check_spin
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)

@@ -48,7 +48,6 @@ contains
       call read_materials(deck, simulation)
       call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
          all_gases(simulation%materials), any_gas(simulation%materials))
-      call limit_viscosity(simulation)
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)
@@ -62,7 +61,7 @@ contains
       simulation%space%grid%margin = simulation%scheme%method%margin()
       simulation%space%grid%reaches = merge(2, 1, simulation%scheme%method%dual)
       call simulation%space%grid%start(tile_edge(deck))
-      call set_slices(simulation)
+      call finish_materials(simulation)
       call check_periodic(deck, simulation%space%grid)
       call read_effects(deck, simulation)
       call read_cell(deck, simulation)
@@ -94,17 +93,6 @@ contains
       call make_stores(simulation, size(bodies) > 1)
       if (.not. present(coarser)) call warn_without_effect(deck, simulation)
    end subroutine set_up_scene
-
-   !> Limit the artificial viscosity of all materials to jumps, if the method requests it.
-   pure subroutine limit_viscosity(simulation)
-      type(simulation_t), intent(inout) :: simulation !! Materials and method are read
-      integer :: n
-
-      do n = 1, size(simulation%materials)
-         if (allocated(simulation%materials(n)%viscosity)) &
-            simulation%materials(n)%viscosity%limited = simulation%scheme%method%limited
-      end do
-   end subroutine limit_viscosity
 
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
@@ -154,20 +142,22 @@ contains
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
-   !> Set the extent of particles in the directions that are not computed, for the damage models.
-   subroutine set_slices(simulation)
+   !> What materials need of method and grid: the limit of the artificial viscosity to jumps, and,
+   !! for the damage models, the extent of particles in the directions that are not computed.
+   pure subroutine finish_materials(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer :: index
 
-      associate (grid => simulation%space%grid)
-         if (grid%axisymmetric) return
-         do index = 1, size(simulation%materials)
-            if (.not. allocated(simulation%materials(index)%damage)) cycle
-            simulation%materials(index)%damage%slice%depth = grid%depth
-            simulation%materials(index)%damage%slice%exponent = 3.0_wp/real(grid%dimensions, wp)
-         end do
-      end associate
-   end subroutine set_slices
+      do index = 1, size(simulation%materials)
+         associate (material => simulation%materials(index), grid => simulation%space%grid)
+            if (allocated(material%viscosity)) material%viscosity%limited = &
+               simulation%scheme%method%limited
+            if (grid%axisymmetric .or. .not. allocated(material%damage)) cycle
+            material%damage%slice%depth = grid%depth
+            material%damage%slice%exponent = 3.0_wp/real(grid%dimensions, wp)
+         end associate
+      end do
+   end subroutine finish_materials
 
    !> Set the width of crack bands, and check that cells are small enough for them.
    subroutine set_crack_bands(deck, simulation)
