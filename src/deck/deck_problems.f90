@@ -277,10 +277,20 @@ contains
       type(buffer_t) :: buffer
       integer, allocatable :: order(:)
       integer :: i
+      character(len=:), allocatable :: line
 
       call sort_problems(self, files, order)
       do i = 1, min(size(order), most_reported)
-         call add_entry(self%entries(order(i)), entry_text(self, self%entries(order(i))), buffer)
+         line = entry_text(self, self%entries(order(i)))
+         associate (problem => self%entries(order(i)))
+            call buffer%add(problem%file//":")
+            if (problem%line > 0) call buffer%add(number(problem%line)//":")
+            if (problem%is_error) then
+               call buffer%line(" error: "//code_last(line))
+            else
+               call buffer%line(" warning: "//code_last(line))
+            end if
+         end associate
       end do
       if (size(order) > most_reported) &
          call buffer%line("and "//number(size(order) - most_reported)//" more")
@@ -288,21 +298,6 @@ contains
          " errors, "//number(self%warnings)//" warnings")
       text = buffer%content()
    end function problems_report
-
-   !> One entry as a line.
-   subroutine add_entry(problem, text, buffer)
-      type(problem_t), intent(in) :: problem
-      character(len=*), intent(in) :: text               !! Text of the message
-      type(buffer_t), intent(inout) :: buffer            !! Where to append it
-
-      call buffer%add(problem%file//":")
-      if (problem%line > 0) call buffer%add(number(problem%line)//":")
-      if (problem%is_error) then
-         call buffer%line(" error: "//code_last(text))
-      else
-         call buffer%line(" warning: "//code_last(text))
-      end if
-   end subroutine add_entry
 
    !> Order of the entries: by file, then by line, then as found. Bottom-up merge sort.
    subroutine sort_problems(self, files, order)

@@ -124,7 +124,7 @@ contains
       character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read or is no text
       character(len=:), allocatable :: raw
-      integer :: i, lines, start
+      integer :: i, lines, start, filled
 
       if (file_exists(path//"/.")) then
          call fail(error, exit_file, path//own_error//"this is a folder, not a deck [F101]")
@@ -150,15 +150,8 @@ contains
             number(iachar(raw(i:i)))//" is not allowed; a deck is plain text [D107]")
          return
       end do
-      text = unix_lines(raw(start:))
-   end subroutine read_plain_text
-
-   !> A text with line feeds alone at the ends of lines.
-   pure function unix_lines(raw) result(text)
-      character(len=*), intent(in) :: raw                !! Any ends of lines
-      character(len=:), allocatable :: text
-      integer :: filled, i
-
+      ! line feeds alone at the ends of lines
+      raw = raw(start:)
       allocate (character(len=len(raw)) :: text)
       filled = 0
       do i = 1, len(raw)
@@ -170,5 +163,5 @@ contains
          if (raw(i:i) == carriage_return) text(filled:filled) = newline
       end do
       text = text(:filled)
-   end function unix_lines
+   end subroutine read_plain_text
 end module deck_source
