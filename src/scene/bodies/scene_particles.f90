@@ -30,7 +30,7 @@ module scene_particles
    implicit none
    private
 
-   public :: body_of, distribute_particles, fill_simulation, fill_store, first_step, &
+   public :: body_of, count_tiles, distribute_particles, fill_simulation, fill_store, first_step, &
       make_stores, number_bodies, prepare_simulation, spin_bodies, survey_t, take_survey
 
    !> Counts of particles that the bodies will have, found before particles exist.
@@ -327,12 +327,29 @@ contains
    !! discarded. For particles that were just read, each store in one range.
    subroutine distribute_particles(simulation)
       type(simulation_t), intent(inout) :: simulation
-      integer(int64), allocatable :: key(:), particles(:), border(:), run(:, :)
-      integer :: n, filled
-      integer, allocatable :: order(:)
+      integer(int64), allocatable :: key(:), particles(:), border(:)
+      integer :: n
 
-      ! particles of this rank in each tile; successive particles are usually in the same tile, so
-      ! the lists that are sorted are about as long as the tiles
+      call count_tiles(simulation, key, particles)
+      simulation%machine%load%listed = size(key, kind=int64)
+      call partition_scattered_keys(simulation%machine%communicator, key, particles, border)
+      call simulation%space%tiles%cut(border)
+      do n = 1, size(simulation%stores)
+         call simulation%stores(n)%mark_all_leaving(simulation%space%grid%tile_cells)
+      end do
+      call sort_particles(simulation)
+   end subroutine distribute_particles
+
+   !> Count the particles of this rank in each tile. Successive particles are usually in the same
+   !! tile, so the lists that are sorted are about as long as the tiles, not the particles.
+   subroutine count_tiles(simulation, key, particles)
+      type(simulation_t), intent(in) :: simulation
+      integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
+      integer(int64), allocatable, intent(out) :: particles(:) !! (tile) Number of particles
+      integer(int64), allocatable :: run(:, :)
+      integer, allocatable :: order(:)
+      integer :: n, filled
+
       call list_runs(simulation, run)
       order = sort_order(run(1, :))
       allocate (key(size(order)), particles(size(order)))
@@ -350,14 +367,7 @@ contains
       end do
       key = key(:filled)
       particles = particles(:filled)
-      simulation%machine%load%listed = size(key, kind=int64)
-      call partition_scattered_keys(simulation%machine%communicator, key, particles, border)
-      call simulation%space%tiles%cut(border)
-      do n = 1, size(simulation%stores)
-         call simulation%stores(n)%mark_all_leaving(simulation%space%grid%tile_cells)
-      end do
-      call sort_particles(simulation)
-   end subroutine distribute_particles
+   end subroutine count_tiles
 
    !> Runs of successive particles in the same tile.
    subroutine list_runs(simulation, run)
