@@ -245,7 +245,7 @@ contains
    pure subroutine read_echo(text, groups)
       character(len=*), intent(in) :: text
       type(echo_groups_t), intent(out) :: groups              !! Content
-      integer :: first, last
+      integer :: first, last, n, name, earlier, alike
 
       allocate (groups%group(8))
       first = 1
@@ -255,72 +255,7 @@ contains
          if (last >= first) call read_line(text(first:last), groups)
          first = last + 2
       end do
-      call name_groups(groups)
-   end subroutine read_echo
-
-   !> Parse one line of an echo.
-   pure subroutine read_line(line, groups)
-      character(len=*), intent(in) :: line               !! Not empty
-      type(echo_groups_t), intent(inout) :: groups            !! Gets a group, a key, or more values
-      type(echo_group_t), allocatable :: longer(:)
-      integer :: indent
-
-      indent = verify(line//"x", " ") - 1
-      if (line(1:1) == "&") then
-         if (groups%count == size(groups%group)) then
-            allocate (longer(2*groups%count))
-            longer(:groups%count) = groups%group
-            call move_alloc(longer, groups%group)
-         end if
-         groups%count = groups%count + 1
-         groups%group(groups%count)%kind = trim(line(2:))
-         allocate (groups%group(groups%count)%entries(8))
-      else if (indent >= key_indent .and. groups%count > 0) then
-         call read_key(line(indent + 1:), indent > key_indent, groups%group(groups%count))
-      end if
-   end subroutine read_line
-
-   !> Parse a key, or further values of the last one.
-   pure subroutine read_key(line, continued, group)
-      character(len=*), intent(in) :: line               !! Without its indent
-      logical, intent(in) :: continued                    !! Further values of the last key
-      type(echo_group_t), intent(inout) :: group              !! Receives them
-      type(echo_entry_t), allocatable :: longer(:)
-      character(len=:), allocatable :: value
-      integer :: equals, mark
-      logical :: default
-
-      mark = len_trim(line) - len(default_mark) + 1
-      default = .false.
-      if (mark > 0) default = line(mark:len_trim(line)) == default_mark
-      equals = 0
-      if (.not. continued) equals = index(line, " =")
-      value = trim(adjustl(line(merge(equals + 2, 1, equals > 0):merge(mark - 1, len(line), &
-         default))))
-      if (continued) then
-         if (group%count == 0) return
-         group%entries(group%count)%value = group%entries(group%count)%value//" "//value
-         group%entries(group%count)%default = default
-         return
-      end if
-      if (equals == 0) return
-      if (group%count == size(group%entries)) then
-         allocate (longer(2*group%count))
-         longer(:group%count) = group%entries
-         call move_alloc(longer, group%entries)
-      end if
-      group%count = group%count + 1
-      ! gfortran 13 makes an empty component of a substring in a constructor
-      group%entries(group%count)%key = line(:equals - 1)
-      group%entries(group%count)%value = value
-      group%entries(group%count)%default = default
-   end subroutine read_key
-
-   !> Label groups by their name if they have one, else by their number within their kind.
-   pure subroutine name_groups(groups)
-      type(echo_groups_t), intent(inout) :: groups            !! Get labels
-      integer :: n, name, earlier, alike
-
+      ! groups are labelled by their name if they have one, else by their number within their kind
       do n = 1, groups%count
          associate (group => groups%group(n))
             name = index_of_key(group, "name")
@@ -337,5 +272,59 @@ contains
             end if
          end associate
       end do
-   end subroutine name_groups
+   end subroutine read_echo
+
+   !> Parse one line of an echo.
+   pure subroutine read_line(line, groups)
+      character(len=*), intent(in) :: line               !! Not empty
+      type(echo_groups_t), intent(inout) :: groups            !! Gets a group, a key, or more values
+      type(echo_group_t), allocatable :: longer(:)
+      integer :: indent, equals, mark
+      character(len=:), allocatable :: rest
+      logical :: continued, default
+      type(echo_entry_t), allocatable :: more(:)
+      character(len=:), allocatable :: value
+
+      indent = verify(line//"x", " ") - 1
+      if (line(1:1) == "&") then
+         if (groups%count == size(groups%group)) then
+            allocate (longer(2*groups%count))
+            longer(:groups%count) = groups%group
+            call move_alloc(longer, groups%group)
+         end if
+         groups%count = groups%count + 1
+         groups%group(groups%count)%kind = trim(line(2:))
+         allocate (groups%group(groups%count)%entries(8))
+      else if (indent >= key_indent .and. groups%count > 0) then
+         ! a key, or further values of the last one
+         rest = line(indent + 1:)
+         continued = indent > key_indent
+         associate (group => groups%group(groups%count))
+            mark = len_trim(rest) - len(default_mark) + 1
+            default = .false.
+            if (mark > 0) default = rest(mark:len_trim(rest)) == default_mark
+            equals = 0
+            if (.not. continued) equals = index(rest, " =")
+            value = trim(adjustl(rest(merge(equals + 2, 1, equals > 0):merge(mark - 1, len(rest), &
+               default))))
+            if (continued) then
+               if (group%count == 0) return
+               group%entries(group%count)%value = group%entries(group%count)%value//" "//value
+               group%entries(group%count)%default = default
+               return
+            end if
+            if (equals == 0) return
+            if (group%count == size(group%entries)) then
+               allocate (more(2*group%count))
+               more(:group%count) = group%entries
+               call move_alloc(more, group%entries)
+            end if
+            group%count = group%count + 1
+            ! gfortran 13 makes an empty component of a substring in a constructor
+            group%entries(group%count)%key = rest(:equals - 1)
+            group%entries(group%count)%value = value
+            group%entries(group%count)%default = default
+         end associate
+      end if
+   end subroutine read_line
 end module deck_changes

@@ -7,7 +7,7 @@ module deck_check
    use deck_index, only: deck_index_t
    use deck_key_rules, only: condition_t
    use deck_problems, only: command_line, problems_t
-   use deck_schema, only: group_rule_t, key_t, kind_logical, schema_t
+   use deck_schema, only: key_t, kind_logical, schema_t
    use deck_value, only: read_default, value_t
    implicit none
    private
@@ -56,38 +56,36 @@ contains
       type(problems_t), intent(inout) :: problems        !! Collects errors
       integer :: i, k, rule
       logical :: unused
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: problem
 
       do i = 1, size(groups)
          rule = schema%find(groups(i)%group)
          if (.not. groups(i)%present) then
-            call check_absent(schema%groups(rule), deck_file, problems)
+            ! a group that is not in the deck lacks its required keys
+            names = [text_t ::]
+            do k = 1, size(schema%groups(rule)%keys)
+               if (schema%groups(rule)%keys(k)%required .and. &
+                  size(schema%groups(rule)%keys(k)%owners) == 0) call append(names, &
+                  schema%groups(rule)%keys(k)%name)
+            end do
+            if (size(names) > 0) call problems%error(deck_file, 0, "&"//schema%groups(rule)%name// &
+               " is missing; it must give "//join(names, ", ")//" [D303]")
             cycle
          end if
          do k = 1, size(schema%groups(rule)%keys)
             call check_key(schema, schema%groups(rule)%keys(k), k, groups, index, i, problems, &
                unused)
-            if (unused) call drop(schema%groups(rule)%keys(k), groups(i)%values(k))
+            ! a value that the command line made invalid is replaced by its default; keys that
+            ! depend on it become invalid as well
+            if (unused) then
+               call read_default(schema%groups(rule)%keys(k), groups(i)%values(k), problem)
+               groups(i)%values(k)%file = command_line
+            end if
          end do
          if (schema%groups(rule)%find("name") > 0) call check_name(groups, index, i, problems)
       end do
    end subroutine check_groups
-
-   !> Report the required keys of a group that is not in the deck.
-   subroutine check_absent(rule, deck_file, problems)
-      type(group_rule_t), intent(in) :: rule             !! Allowed values
-      character(len=*), intent(in) :: deck_file          !! Name of the deck
-      type(problems_t), intent(inout) :: problems        !! Collects errors
-      type(text_t), allocatable :: names(:)
-      integer :: k
-
-      allocate (names(0))
-      do k = 1, size(rule%keys)
-         if (rule%keys(k)%required .and. size(rule%keys(k)%owners) == 0) &
-            call append(names, rule%keys(k)%name)
-      end do
-      if (size(names) > 0) call problems%error(deck_file, 0, "&"//rule%name// &
-         " is missing; it must give "//join(names, ", ")//" [D303]")
-   end subroutine check_absent
 
    !> Check one key of one group: does it apply, must it be given, is the name known?
    subroutine check_key(schema, key, place, groups, index, which, problems, unused)
@@ -125,17 +123,6 @@ contains
          end if
       end associate
    end subroutine check_key
-
-   !> Replace a value that the command line made invalid by its default. Keys that depend on it
-   !! become invalid as well.
-   subroutine drop(key, value)
-      type(key_t), intent(in) :: key
-      type(value_t), intent(inout) :: value              !! Value
-      character(len=:), allocatable :: problem
-
-      call read_default(key, value, problem)
-      value%file = command_line
-   end subroutine drop
 
    !> True if a key means something in its group.
    logical function applies(schema, key, groups, index, which) result(holds)

@@ -211,11 +211,30 @@ contains
       logical, intent(in), optional :: within            !! Also expressions within texts
       character(len=:), allocatable :: fault, where_is
       real(wp) :: value
-      integer :: i, line, place
-      logical :: faulty
+      integer :: i, line, place, closing, opening
+      logical :: faulty, inner
 
-      if (present(within)) then
-         if (within) call resolve_texts(self, label, file, piece, problems)
+      inner = .false.
+      if (present(within)) inner = within
+      ! expressions within texts become numbers in brackets
+      if (inner) then
+         do i = 1, size(piece%tokens)
+            associate (token => piece%tokens(i))
+               opening = index(token%text, "{")
+               do while (opening > 0 .and. .not. piece%broken)
+                  closing = opening + index(token%text(opening:)//"}", "}") - 1
+                  call evaluate_expression(self, token%text(opening + 1:closing - 1), value, &
+                     fault, place, faulty)
+                  piece%broken = faulty .or. fault /= ""
+                  if (fault /= "") call problems%error(file, merge(0, token%line, &
+                     file == command_line), label//": "//piece%key//" = "//token%raw// &
+                     "  <- letter "//number(opening + place)//": "//fault)
+                  token%text = token%text(:opening - 1)//"("//decimal_text(value)//")"// &
+                     token%text(min(closing, len(token%text)) + 1:)
+                  opening = index(token%text, "{")
+               end do
+            end associate
+         end do
       end if
       if (.not. any(piece%tokens%formula)) return
       do i = 1, size(piece%tokens)
@@ -238,37 +257,6 @@ contains
          end associate
       end do
    end subroutine definitions_resolve
-
-   !> Replace the expressions within texts by their numbers in brackets.
-   subroutine resolve_texts(self, label, file, piece, problems)
-      type(definitions_t), intent(in) :: self
-      character(len=*), intent(in) :: label              !! The group, for messages
-      character(len=*), intent(in) :: file               !! File
-      type(piece_t), intent(inout) :: piece              !! As written
-      type(problems_t), intent(inout) :: problems        !! Collects errors
-      character(len=:), allocatable :: fault
-      real(wp) :: value
-      integer :: closing, i, opening, place
-      logical :: faulty
-
-      do i = 1, size(piece%tokens)
-         associate (token => piece%tokens(i))
-            opening = index(token%text, "{")
-            do while (opening > 0 .and. .not. piece%broken)
-               closing = opening + index(token%text(opening:)//"}", "}") - 1
-               call evaluate_expression(self, token%text(opening + 1:closing - 1), value, fault, &
-                  place, faulty)
-               piece%broken = faulty .or. fault /= ""
-               if (fault /= "") call problems%error(file, merge(0, token%line, &
-                  file == command_line), label//": "//piece%key//" = "//token%raw// &
-                  "  <- letter "//number(opening + place)//": "//fault)
-               token%text = token%text(:opening - 1)//"("//decimal_text(value)//")"// &
-                  token%text(min(closing, len(token%text)) + 1:)
-               opening = index(token%text, "{")
-            end do
-         end associate
-      end do
-   end subroutine resolve_texts
 
    !> The value of one expression.
    subroutine evaluate_expression(self, text, value, fault, place, faulty)

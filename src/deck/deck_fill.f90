@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Fills groups with the values of a deck, and reports every unknown, repeated or wrong assignment.
 module deck_fill
-   use base_text, only: join, number, shortened
+   use base_text, only: number, shortened
    use deck_define, only: definitions_t
    use deck_group_values, only: group_t
    use deck_namelist, only: as_written, block_t, namelist_t, piece_t, token_t
@@ -242,7 +242,7 @@ contains
       type(group_t), intent(inout) :: group              !! Gets the values
       type(value_t) :: default
       character(len=:), allocatable :: problem
-      integer :: i, missing
+      integer :: i, missing, k, last
 
       do i = 1, size(rule%keys)
          associate (key => rule%keys(i), value => group%values(i))
@@ -256,7 +256,12 @@ contains
                cycle
             end if
             if (allocated(key%default) .and. key%exact) call complete(key, default, value)
-            missing = first_missing(value, key%exact)
+            ! the first value that is missing; without `exact` only those before the last are needed
+            last = merge(size(value%filled), value%count(), key%exact)
+            missing = 0
+            do k = last, 1, -1
+               if (.not. value%filled(k)) missing = k
+            end do
             if (missing == 0) cycle
             value%valid = .false.
             call problems%error(value%file, value%line, "&"//rule%name//": "//key%name// &
@@ -287,17 +292,4 @@ contains
          value%filled(i) = .true.
       end do
    end subroutine complete
-
-   !> Index of the first value that is missing, or 0.
-   pure integer function first_missing(value, exact) result(place)
-      type(value_t), intent(in) :: value
-      logical, intent(in) :: exact !! Must all values be set, not only those before the last?
-      integer :: i, last
-
-      last = merge(size(value%filled), value%count(), exact)
-      place = 0
-      do i = last, 1, -1
-         if (.not. value%filled(i)) place = i
-      end do
-   end function first_missing
 end module deck_fill

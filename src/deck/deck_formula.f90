@@ -191,31 +191,24 @@ contains
          parser%at = parser%at + 1
          call parse_signed(self, parser)
       case default
-         call parse_power(self, parser)
+         ! a value with an optional exponent
+         call parse_value(self, parser)
+         if (next_letter(parser) /= "*") return
+         place = parser%at
+         if (parser%text(place + 1:min(place + 1, len(parser%text))) /= "*") return
+         parser%at = place + 2
+         call parse_signed(self, parser)
+         call append_operation(self, parser, code_operator + index(operators, "^"), -1, place)
       end select
    end subroutine parse_signed
-
-   !> Parse a value with an optional exponent.
-   recursive subroutine parse_power(self, parser)
-      type(formula_t), intent(inout) :: self             !! Gets the operations
-      type(parser_t), intent(inout) :: parser
-      integer :: place
-
-      call parse_value(self, parser)
-      if (next_letter(parser) /= "*") return
-      place = parser%at
-      if (parser%text(place + 1:min(place + 1, len(parser%text))) /= "*") return
-      parser%at = place + 2
-      call parse_signed(self, parser)
-      call append_operation(self, parser, code_operator + index(operators, "^"), -1, place)
-   end subroutine parse_power
 
    !> Parse a number, a name, a function, or a sum in brackets.
    recursive subroutine parse_value(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
       type(parser_t), intent(inout) :: parser
       character(len=1) :: letter
-      integer :: opening
+      integer :: opening, first, last, mark, verdict
+      real(wp) :: value
 
       letter = next_letter(parser)
       opening = parser%at
@@ -226,7 +219,24 @@ contains
       else if (is_letter(letter)) then
          call parse_name(self, parser)
       else if (scan(letter, figures//".") == 1) then
-         call parse_number(self, parser)
+         ! a number without a sign
+         first = parser%at
+         last = first + verify(parser%text(first:), figures//".") - 2
+         mark = last + 1
+         if (scan(parser%text(mark:mark), "ed") == 1) then
+            if (scan(parser%text(mark + 1:mark + 1), "+-") == 1) mark = mark + 1
+            if (mark < len(parser%text)) then
+               if (scan(parser%text(mark + 1:mark + 1), figures) == 1) &
+                  last = mark + verify(parser%text(mark + 1:), figures) - 1
+            end if
+         end if
+         call read_decimal(parser%text(first:last), 0, value, verdict)
+         if (verdict /= decimal_good) then
+            call set_fault(parser, "is not a number: "//parser%text(first:last)//" [D203]")
+            return
+         end if
+         call append_operation(self, parser, code_constant, 1, first, constant=value)
+         parser%at = last + 1
       else if (letter == " ") then
          call set_fault(parser, "ends where a number or a name is missing [D203]")
       else
@@ -250,32 +260,6 @@ contains
             advice(next_letter(parser))//" [D203]")
       end if
    end subroutine close_bracket
-
-   !> Parse a number without a sign.
-   subroutine parse_number(self, parser)
-      type(formula_t), intent(inout) :: self             !! Gets the operation
-      type(parser_t), intent(inout) :: parser            !! At its first figure
-      integer :: first, last, mark, verdict
-      real(wp) :: value
-
-      first = parser%at
-      last = first + verify(parser%text(first:), figures//".") - 2
-      mark = last + 1
-      if (scan(parser%text(mark:mark), "ed") == 1) then
-         if (scan(parser%text(mark + 1:mark + 1), "+-") == 1) mark = mark + 1
-         if (mark < len(parser%text)) then
-            if (scan(parser%text(mark + 1:mark + 1), figures) == 1) &
-               last = mark + verify(parser%text(mark + 1:), figures) - 1
-         end if
-      end if
-      call read_decimal(parser%text(first:last), 0, value, verdict)
-      if (verdict /= decimal_good) then
-         call set_fault(parser, "is not a number: "//parser%text(first:last)//" [D203]")
-         return
-      end if
-      call append_operation(self, parser, code_constant, 1, first, constant=value)
-      parser%at = last + 1
-   end subroutine parse_number
 
    !> Parse a variable, a constant, or a function with its arguments.
    recursive subroutine parse_name(self, parser)

@@ -36,7 +36,7 @@ contains
       type(schema_t), intent(in) :: schema               !! Declares all kinds
       type(group_t), intent(in) :: groups(:)             !! All groups
       integer(int64) :: key(size(groups))
-      integer :: kind(size(groups)), i
+      integer :: kind(size(groups)), i, order(size(groups)), last, next
 
       do i = 1, size(groups)
          kind(i) = schema%find(groups(i)%group)
@@ -53,37 +53,28 @@ contains
       self%member = sort_order(int(kind, int64))
       self%owner = sort_order(key)
       self%key = key(self%owner)
-      call find_lines(groups, self%last_line)
-   end subroutine index_build
-
-   !> Find the last line of each group: the line before the next group of the same file.
-   pure subroutine find_lines(groups, last_line)
-      type(group_t), intent(in) :: groups(:)             !! All groups
-      integer, allocatable, intent(out) :: last_line(:)  !! (group) huge if no group follows
-      integer(int64) :: key(size(groups))
-      integer :: order(size(groups)), last, n, next
-
-      do n = 1, size(groups)
-         key(n) = hash_text(groups(n)%path)
+      ! the last line of each group is that before the next group of the same file
+      do i = 1, size(groups)
+         key(i) = hash_text(groups(i)%path)
       end do
       order = sort_order(int(groups%first_line, int64))
       order = order(sort_order(key(order)))
-      allocate (last_line(size(groups)))
-      do n = size(groups), 1, -1
-         associate (group => groups(order(n)))
+      allocate (self%last_line(size(groups)))
+      do i = size(groups), 1, -1
+         associate (group => groups(order(i)))
             last = huge(last)
-            if (n < size(groups)) then
-               next = order(n + 1)
+            if (i < size(groups)) then
+               next = order(i + 1)
                if (groups(next)%path == group%path) then
                   ! several groups may be on one line
-                  last = last_line(next)
+                  last = self%last_line(next)
                   if (groups(next)%first_line > group%first_line) last = groups(next)%first_line - 1
                end if
             end if
-            last_line(order(n)) = last
+            self%last_line(order(i)) = last
          end associate
       end do
-   end subroutine find_lines
+   end subroutine index_build
 
    !> Hash of a kind and a name.
    pure integer(int64) function key_of(group, title) result(key)

@@ -81,28 +81,21 @@ contains
             reported = .false.
             line = scanner%line
          else if (.not. reported) then
-            call report_stray(scanner, found, found%line == line, problems)
+            ! text outside the groups is reported once between two groups
+            if (found%line == line) then
+               call problems%error(scanner%file, found%line, "text after the / that ends the "// &
+                  "group: "//scanner%rest_of_line(found%first)// &
+                  "; texts need quotes, expressions braces [D103]")
+            else
+               call problems%error(scanner%file, found%line, "text outside a group: "// &
+                  scanner%rest_of_line(found%first)// &
+                  "; a group begins with &name and ends with / [D104]")
+            end if
             reported = .true.
          end if
          call add_file(self%files, scanner%file)
       end do
    end subroutine namelist_scan
-
-   !> Report text outside the groups, once between two groups.
-   subroutine report_stray(scanner, found, after_slash, problems)
-      type(scanner_t), intent(in) :: scanner
-      type(lexeme_t), intent(in) :: found                !! First word outside
-      logical, intent(in) :: after_slash                 !! A group ended in its line
-      type(problems_t), intent(inout) :: problems        !! Gets the error
-
-      if (after_slash) then
-         call problems%error(scanner%file, found%line, "text after the / that ends the group: "// &
-            scanner%rest_of_line(found%first)//"; texts need quotes, expressions braces [D103]")
-      else
-         call problems%error(scanner%file, found%line, "text outside a group: "// &
-            scanner%rest_of_line(found%first)//"; a group begins with &name and ends with / [D104]")
-      end if
-   end subroutine report_stray
 
    !> Add a file to the list unless it is there.
    subroutine add_file(files, file)
@@ -125,7 +118,8 @@ contains
       type(problems_t), intent(inout) :: problems        !! Collects errors
       type(block_t) :: group
       type(lexeme_t), allocatable :: words(:)
-      integer :: filled
+      integer :: filled, i
+      type(block_t), allocatable :: longer(:)
 
       group%name = lower(scanner%letters(head%first + 1, head%last))
       group%file = scanner%file
@@ -161,16 +155,7 @@ contains
       end do
       scanner%inside = ""
       call cut_pieces(group, scanner, words(:filled - 1), problems)
-      call add_block(self, group)
-   end subroutine scan_group
-
-   !> Append a group to the list.
-   subroutine add_block(self, group)
-      class(namelist_t), intent(inout) :: self
-      type(block_t), intent(inout) :: group              !! Emptied
-      type(block_t), allocatable :: longer(:)
-      integer :: i
-
+      ! append it to the list
       if (self%count == size(self%blocks)) then
          allocate (longer(2*self%count))
          do i = 1, self%count
@@ -180,7 +165,7 @@ contains
       end if
       self%count = self%count + 1
       call move_block(group, self%blocks(self%count))
-   end subroutine add_block
+   end subroutine scan_group
 
    !> Move a group.
    subroutine move_block(from, to)
@@ -279,25 +264,19 @@ contains
          end if
          allocate (piece%tokens(total))
          do i = 1, total
-            call make_token(scanner, values(i), piece%tokens(i))
+            associate (word => values(i), token => piece%tokens(i))
+               token%raw = scanner%letters(word%first, word%last)
+               token%text = token%raw
+               token%comma = word%kind == word_comma
+               token%quoted = word%kind == word_quoted
+               token%formula = word%kind == word_formula
+               token%line = word%line
+               token%column = word%column
+               if (token%quoted) token%text = unquoted_text(token%raw)
+            end associate
          end do
       end associate
    end subroutine cut_piece
-
-   !> Make a value of a word.
-   subroutine make_token(scanner, word, token)
-      type(scanner_t), intent(in) :: scanner
-      type(lexeme_t), intent(in) :: word
-      type(token_t), intent(out) :: token
-      token%raw = scanner%letters(word%first, word%last)
-      token%text = token%raw
-      token%comma = word%kind == word_comma
-      token%quoted = word%kind == word_quoted
-      token%formula = word%kind == word_formula
-      token%line = word%line
-      token%column = word%column
-      if (token%quoted) token%text = unquoted_text(token%raw)
-   end subroutine make_token
 
    !> Values and commas as written.
    pure function as_written(tokens, most) result(text)

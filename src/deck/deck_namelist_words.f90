@@ -111,6 +111,7 @@ contains
       type(lexeme_t), intent(out) :: word
       type(problems_t), intent(inout) :: problems        !! Collects errors
       logical :: crossed
+      character(len=*), parameter :: others = "_0123456789"
 
       call skip_blanks(self, crossed, problems)
       word%line = self%line
@@ -132,7 +133,11 @@ contains
       case ("&")
          if (is_letter(self%text(self%at + 1:self%at + 1))) then
             word%kind = word_group
-            word%last = end_of_name(self%text, self%at + 1)
+            word%last = self%at + 1
+            do while (is_letter(self%text(word%last + 1:word%last + 1)) .or. &
+               scan(self%text(word%last + 1:word%last + 1), others) == 1)
+               word%last = word%last + 1
+            end do
          else
             call read_plain(self, word)
          end if
@@ -158,7 +163,15 @@ contains
                   crossed = self%text(self%at + 1:self%at + 1) == mark
                   if (crossed) return
                end if
-               call end_line(self, problems)
+               ! the next line
+               if (self%at - self%line_start > longest_line + 1) then
+                  call problems%error(self%file, self%line, "the line is longer than "// &
+                     number(longest_line)//" characters; break it after a comma [D108]")
+               end if
+               self%at = self%at + 1
+               self%line = self%line + 1
+               self%line_start = self%at
+               call skip_marks(self)
             else if (letter > " ") then
                return
             else
@@ -167,21 +180,6 @@ contains
          end associate
       end do
    end subroutine skip_blanks
-
-   !> Go to the next line.
-   subroutine end_line(self, problems)
-      class(scanner_t), intent(inout) :: self            !! At the end of a line
-      type(problems_t), intent(inout) :: problems        !! Collects errors
-
-      if (self%at - self%line_start > longest_line + 1) then
-         call problems%error(self%file, self%line, "the line is longer than "// &
-            number(longest_line)//" characters; break it after a comma [D108]")
-      end if
-      self%at = self%at + 1
-      self%line = self%line + 1
-      self%line_start = self%at
-      call skip_marks(self)
-   end subroutine end_line
 
    !> Read the marks at the start of a line.
    subroutine skip_marks(self)
@@ -277,16 +275,4 @@ contains
       yes = text(at + 1:at + 1) == "(" .or. is_letter(text(at + 1:at + 1))
       yes = yes .and. (is_letter(text(at - 1:at - 1)) .or. scan(text(at - 1:at - 1), before) == 1)
    end function is_unit_slash
-
-   !> Last letter of a name.
-   pure integer function end_of_name(text, first) result(last)
-      character(len=*), intent(in) :: text               !! The whole text
-      integer, intent(in) :: first                       !! First letter of the name
-      character(len=*), parameter :: others = "_0123456789"
-
-      last = first
-      do while (is_letter(text(last + 1:last + 1)) .or. scan(text(last + 1:last + 1), others) == 1)
-         last = last + 1
-      end do
-   end function end_of_name
 end module deck_namelist_words

@@ -32,6 +32,7 @@ contains
       character(len=:), allocatable, intent(inout) :: problem !! Empty without an error
       type(written_unit_t) :: own
       real(wp) :: exponent, factor
+      integer :: verdict
 
       exponent = key%unit%exponent(system)
       factor = 1.0_wp
@@ -45,8 +46,16 @@ contains
          if (key%unit_text == "deg") factor = &
             merge(1.0_wp, factor/radian, .not. abs(factor - radian) > 0.0_wp)
       end if
-      call read_number(item%text, nint(exponent), number_read, problem)
-      if (problem == "?") problem = expectation(key)
+      ! its decimal exponent is shifted to that of SI
+      call read_decimal(item%text, nint(exponent), number_read, verdict)
+      select case (verdict)
+      case (decimal_good)
+         problem = ""
+      case (decimal_none)
+         problem = expectation(key)
+      case default
+         problem = "is too large or too small for a number [D218]"
+      end select
       if (problem /= "") return
       exponent = exponent - real(nint(exponent), wp)
       if (abs(exponent) > 0.0_wp) number_read = number_read*10.0_wp**exponent
@@ -94,25 +103,6 @@ contains
       end select
       problem = problem//", not '"//written//"'"
    end function unfit_unit
-
-   !> Read a number, its decimal exponent shifted.
-   subroutine read_number(text, shift, number_read, problem)
-      character(len=*), intent(in) :: text               !! Text as written
-      integer, intent(in) :: shift                       !! Added to the decimal exponent
-      real(wp), intent(out) :: number_read               !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: problem !! "?" if it is not a number
-      integer :: verdict
-
-      call read_decimal(text, shift, number_read, verdict)
-      select case (verdict)
-      case (decimal_good)
-         problem = ""
-      case (decimal_none)
-         problem = "?"
-      case default
-         problem = "is too large or too small for a number [D218]"
-      end select
-   end subroutine read_number
 
    !> Check the range of a number.
    subroutine check_range(key, value, problem)

@@ -2,11 +2,11 @@
 !> Applies the options `--set GROUP.KEY=VALUE`, which replaces a value of the deck, and `--unset
 !! GROUP.KEY`, which removes it.
 module deck_override
-   use base_text, only: append, closest, join, lower, number, text_t
+   use base_text, only: append, join, lower, number, text_t
    use deck_define, only: definitions_t, scan_value
    use deck_fill, only: start_group, store
    use deck_group_values, only: group_t
-   use deck_namelist, only: piece_t, token_t
+   use deck_namelist, only: piece_t
    use deck_problems, only: command_line, problems_t
    use deck_schema, only: group_rule_t, kind_text, schema_t
    use deck_schema_text, only: unknown_group, unknown_key
@@ -164,11 +164,28 @@ contains
       type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: group              !! Gets the value
       type(piece_t) :: piece
+      type(text_t), allocatable :: parts(:)
+      integer :: comma, first, i
 
       piece%key = rule%keys(place)%name
       piece%subscript = key(index(key//"(", "("):)
       if (rule%keys(place)%kind == kind_text .and. scan(value, "'""") == 0) then
-         call bare_texts(rule%keys(place)%number_of_values, value, piece%tokens)
+         ! texts without quotes, with commas between them where there may be several
+         allocate (parts(0))
+         first = 1
+         do
+            comma = first + index(value(first:)//",", ",") - 1
+            if (rule%keys(place)%number_of_values == 1) comma = len(value) + 1
+            call append(parts, trim(adjustl(value(first:comma - 1))))
+            first = comma + 1
+            if (first > len(value)) exit
+         end do
+         allocate (piece%tokens(size(parts)))
+         do i = 1, size(parts)
+            piece%tokens(i)%raw = parts(i)%text
+            piece%tokens(i)%text = parts(i)%text
+            piece%tokens(i)%quoted = .true.
+         end do
       else
          call scan_value(value, piece)
       end if
@@ -187,29 +204,4 @@ contains
       end if
       call store(rule, place, piece, command_line, system, problems, group)
    end subroutine put
-
-   !> Texts without quotes, with commas between them where there may be several.
-   subroutine bare_texts(number_of_values, value, tokens)
-      integer, intent(in) :: number_of_values            !! Greatest number of values
-      character(len=*), intent(in) :: value              !! Text as written
-      type(token_t), allocatable, intent(out) :: tokens(:)
-      type(text_t), allocatable :: parts(:)
-      integer :: comma, first, i
-
-      allocate (parts(0))
-      first = 1
-      do
-         comma = first + index(value(first:)//",", ",") - 1
-         if (number_of_values == 1) comma = len(value) + 1
-         call append(parts, trim(adjustl(value(first:comma - 1))))
-         first = comma + 1
-         if (first > len(value)) exit
-      end do
-      allocate (tokens(size(parts)))
-      do i = 1, size(parts)
-         tokens(i)%raw = parts(i)%text
-         tokens(i)%text = parts(i)%text
-         tokens(i)%quoted = .true.
-      end do
-   end subroutine bare_texts
 end module deck_override

@@ -39,7 +39,9 @@ contains
       character(len=*), intent(in) :: lines(:)           !! Text of the presets
       type(preset_t), allocatable, intent(out) :: presets(:)
       character(len=*), parameter :: head = "preset "
-      integer :: i, n, m
+      integer :: i, n, m, equals, first, second, filled, k
+      type(preset_entry_t), allocatable :: longer(:)
+      type(text_t), allocatable :: words(:)
 
       n = 0
       do i = 1, size(lines)
@@ -56,40 +58,30 @@ contains
             presets(n)%title = trim(adjustl(lines(i)(m + 1:)))
             allocate (presets(n)%entries(0))
          else
-            call add_entry(lines(i), presets(n))
+            ! one value
+            filled = size(presets(n)%entries)
+            allocate (longer(filled + 1))
+            do k = 1, filled
+               longer(k) = presets(n)%entries(k)
+            end do
+            associate (entry => longer(filled + 1))
+               equals = index(lines(i), "=")
+               first = index(lines(i), "|")
+               second = index(lines(i)(first + 1:), "|") + first
+               if (second == first) second = len(lines(i)) + 1
+               entry%key = trim(adjustl(lines(i)(:equals - 1)))
+               entry%value = trim(adjustl(lines(i)(equals + 1:first - 1)))
+               entry%source = trim(adjustl(lines(i)(first + 1:second - 1)))
+               entry%switch = ""
+               allocate (entry%unless(0))
+               call split(lines(i)(min(second + 1, len(lines(i)) + 1):), words)
+               if (size(words) > 1) then
+                  if (words(1)%text == "with") entry%switch = words(2)%text
+                  if (words(1)%text == "unless") entry%unless = words(2:)
+               end if
+            end associate
+            call move_alloc(longer, presets(n)%entries)
          end if
       end do
    end subroutine read_presets
-
-   !> Add one value.
-   subroutine add_entry(line, preset)
-      character(len=*), intent(in) :: line               !! Text of the value
-      type(preset_t), intent(inout) :: preset            !! Gets the value
-      type(preset_entry_t), allocatable :: longer(:)
-      type(text_t), allocatable :: words(:)
-      integer :: equals, first, second, n, i
-
-      n = size(preset%entries)
-      allocate (longer(n + 1))
-      do i = 1, n
-         longer(i) = preset%entries(i)
-      end do
-      associate (entry => longer(n + 1))
-         equals = index(line, "=")
-         first = index(line, "|")
-         second = index(line(first + 1:), "|") + first
-         if (second == first) second = len(line) + 1
-         entry%key = trim(adjustl(line(:equals - 1)))
-         entry%value = trim(adjustl(line(equals + 1:first - 1)))
-         entry%source = trim(adjustl(line(first + 1:second - 1)))
-         entry%switch = ""
-         allocate (entry%unless(0))
-         call split(line(min(second + 1, len(line) + 1):), words)
-         if (size(words) > 1) then
-            if (words(1)%text == "with") entry%switch = words(2)%text
-            if (words(1)%text == "unless") entry%unless = words(2:)
-         end if
-      end associate
-      call move_alloc(longer, preset%entries)
-   end subroutine add_entry
 end module deck_preset

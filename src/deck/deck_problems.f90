@@ -248,7 +248,14 @@ contains
       if (filled > size(self%entries)) then
          allocate (longer(2*filled))
          do i = 1, filled - 1
-            call move_problem(self%entries(i), longer(i))
+            associate (from => self%entries(i), to => longer(i))
+               call move_alloc(from%file, to%file)
+               call move_alloc(from%text, to%text)
+               if (allocated(from%common)) call move_alloc(from%common, to%common)
+               to%copies = from%copies
+               to%line = from%line
+               to%is_error = from%is_error
+            end associate
          end do
          call move_alloc(longer, self%entries)
       end if
@@ -261,19 +268,6 @@ contains
       if (which > 0) self%entries(filled)%common = label//without_numbers(rest)
    end subroutine record_problem
 
-   !> Move an entry.
-   pure subroutine move_problem(from, to)
-      type(problem_t), intent(inout) :: from             !! Emptied
-      type(problem_t), intent(inout) :: to               !! Filled
-
-      call move_alloc(from%file, to%file)
-      call move_alloc(from%text, to%text)
-      if (allocated(from%common)) call move_alloc(from%common, to%common)
-      to%copies = from%copies
-      to%line = from%line
-      to%is_error = from%is_error
-   end subroutine move_problem
-
    !> All errors and warnings, one a line, file by file in the order of the lines, and their count.
    function problems_report(self, files, groups) result(text)
       class(problems_t), intent(in) :: self
@@ -283,10 +277,20 @@ contains
       type(buffer_t) :: buffer
       integer, allocatable :: order(:)
       integer :: i
+      character(len=:), allocatable :: line
 
       call sort_problems(self, files, order)
       do i = 1, min(size(order), most_reported)
-         call add_entry(self%entries(order(i)), entry_text(self, self%entries(order(i))), buffer)
+         line = entry_text(self, self%entries(order(i)))
+         associate (problem => self%entries(order(i)))
+            call buffer%add(problem%file//":")
+            if (problem%line > 0) call buffer%add(number(problem%line)//":")
+            if (problem%is_error) then
+               call buffer%line(" error: "//code_last(line))
+            else
+               call buffer%line(" warning: "//code_last(line))
+            end if
+         end associate
       end do
       if (size(order) > most_reported) &
          call buffer%line("and "//number(size(order) - most_reported)//" more")
@@ -294,21 +298,6 @@ contains
          " errors, "//number(self%warnings)//" warnings")
       text = buffer%content()
    end function problems_report
-
-   !> One entry as a line.
-   subroutine add_entry(problem, text, buffer)
-      type(problem_t), intent(in) :: problem
-      character(len=*), intent(in) :: text               !! Text of the message
-      type(buffer_t), intent(inout) :: buffer            !! Where to append it
-
-      call buffer%add(problem%file//":")
-      if (problem%line > 0) call buffer%add(number(problem%line)//":")
-      if (problem%is_error) then
-         call buffer%line(" error: "//code_last(text))
-      else
-         call buffer%line(" warning: "//code_last(text))
-      end if
-   end subroutine add_entry
 
    !> Order of the entries: by file, then by line, then as found. Bottom-up merge sort.
    subroutine sort_problems(self, files, order)

@@ -5,7 +5,7 @@
 !! depends on the repetition, and the echo of the deck lists all copies.
 module deck_repeat
    use base_kinds, only: wp
-   use base_text, only: number, text_t
+   use base_text, only: number
    use deck_check, only: label_of
    use deck_group_values, only: group_t
    use deck_problems, only: problems_t
@@ -27,9 +27,10 @@ contains
       type(group_t), allocatable, intent(inout) :: groups(:) !! All groups, defaults filled
       type(group_t), allocatable :: longer(:)
       integer, allocatable :: copies(:)
-      integer :: filled, i, region
+      integer :: filled, i, region, bodies, regions
 
-      if (.not. any_repeated(groups)) return
+      if (.not. any([(groups(i)%group == "body" .and. groups(i)%given("repeat"), &
+         i=1, size(groups))])) return
       allocate (copies(size(groups)), source=1)
       do i = 1, size(groups)
          if (groups(i)%group /= "body") cycle
@@ -49,19 +50,19 @@ contains
          call add_copies(schema, groups(i), groups(region), longer, filled)
       end do
       call move_alloc(longer, groups)
-      call renumber_groups(groups)
-   end subroutine repeat_groups
-
-   !> True if a body is repeated.
-   pure logical function any_repeated(groups) result(yes)
-      type(group_t), intent(in) :: groups(:)             !! All groups
-      integer :: i
-
-      yes = .false.
+      ! bodies and regions are numbered in the order of the list
+      bodies = 0
+      regions = 0
       do i = 1, size(groups)
-         if (groups(i)%group == "body") yes = yes .or. groups(i)%given("repeat")
+         if (groups(i)%group == "body") then
+            bodies = bodies + 1
+            groups(i)%place = bodies
+         else if (groups(i)%group == "region") then
+            regions = regions + 1
+            groups(i)%place = regions
+         end if
       end do
-   end function any_repeated
+   end subroutine repeat_groups
 
    !> Number of copies of a body, 1 after an error.
    subroutine count_copies(body, problems, copies)
@@ -112,7 +113,7 @@ contains
       integer, intent(inout) :: filled                   !! Number of groups
       character(len=:), allocatable :: name
       real(wp) :: start(3), step(3)
-      integer :: k, n(3), times(3), x, y, z
+      integer :: k, n(3), times(3), x, y, z, place
 
       call body%get("repeat", times)
       call body%get("repeat_step", step)
@@ -132,7 +133,14 @@ contains
                groups(filled + 1) = region
                call put_text(groups(filled + 1), "name", name)
                groups(filled + 1)%title = name
-               call put_shift(groups(filled + 1), start + real(n - 1, wp)*step)
+               ! its displacement
+               associate (copy => groups(filled + 1))
+                  place = copy%find("translate")
+                  copy%values(place)%given = .true.
+                  copy%values(place)%numbers = start + real(n - 1, wp)*step
+                  copy%values(place)%line = copy%first_line
+                  copy%values(place)%file = copy%path
+               end associate
                groups(filled + 2) = body
                call name_copy(schema, name, groups(filled + 2))
                call put_text(groups(filled + 2), "region", name)
@@ -170,35 +178,4 @@ contains
       place = group%find(key)
       group%values(place)%texts(1)%text = text
    end subroutine put_text
-
-   !> Replace the displacement of a region.
-   subroutine put_shift(region, shift)
-      type(group_t), intent(inout) :: region
-      real(wp), intent(in) :: shift(3)                   !! [m]
-      integer :: place
-
-      place = region%find("translate")
-      region%values(place)%given = .true.
-      region%values(place)%numbers = shift
-      region%values(place)%line = region%first_line
-      region%values(place)%file = region%path
-   end subroutine put_shift
-
-   !> Number bodies and regions in the order of the list.
-   pure subroutine renumber_groups(groups)
-      type(group_t), intent(inout) :: groups(:)          !! All groups
-      integer :: bodies, i, regions
-
-      bodies = 0
-      regions = 0
-      do i = 1, size(groups)
-         if (groups(i)%group == "body") then
-            bodies = bodies + 1
-            groups(i)%place = bodies
-         else if (groups(i)%group == "region") then
-            regions = regions + 1
-            groups(i)%place = regions
-         end if
-      end do
-   end subroutine renumber_groups
 end module deck_repeat

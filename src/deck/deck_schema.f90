@@ -187,7 +187,7 @@ contains
       character(len=*), intent(in), optional :: range    !! Range in SI
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t), allocatable :: longer(:)
-      integer :: place
+      integer :: place, bracket, status
       logical :: known
 
       key%group = group
@@ -198,7 +198,16 @@ contains
       if (.not. allocated(key%unit_text)) key%unit_text = ""
       if (.not. allocated(key%words)) allocate (key%words(0))
       if (present(default)) key%default = default
-      call set_name(self, key, name)
+      ! the name without its number of values, such as lo(3), times(:50)
+      bracket = index(name, "(")
+      key%name = name
+      if (bracket > 0) then
+         key%name = name(:bracket - 1)
+         key%exact = name(bracket + 1:bracket + 1) /= ":"
+         if (.not. key%exact) bracket = bracket + 1
+         read (name(bracket + 1:len(name) - 1), *, iostat=status) key%number_of_values
+         if (status /= 0) call record_mistake(self, "number of values of "//name)
+      end if
       if (present(range)) then
          call read_range(range, key%range, known)
          if (.not. known) call record_mistake(self, "range of "//key%name)
@@ -218,23 +227,6 @@ contains
          call move_alloc(longer, rule%keys)
       end associate
    end subroutine schema_add
-
-   !> Split a name from the number of its values.
-   subroutine set_name(self, key, name)
-      class(schema_t), intent(inout) :: self
-      type(key_t), intent(inout) :: key                  !! Gets name and number of values
-      character(len=*), intent(in) :: name               !! Such as lo(3), times(:50)
-      integer :: bracket, status
-
-      bracket = index(name, "(")
-      key%name = name
-      if (bracket == 0) return
-      key%name = name(:bracket - 1)
-      key%exact = name(bracket + 1:bracket + 1) /= ":"
-      if (.not. key%exact) bracket = bracket + 1
-      read (name(bracket + 1:len(name) - 1), *, iostat=status) key%number_of_values
-      if (status /= 0) call record_mistake(self, "number of values of "//name)
-   end subroutine set_name
 
    !> Allow more words for a key of texts.
    subroutine schema_words(self, group, name, words)

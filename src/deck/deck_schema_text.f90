@@ -212,11 +212,14 @@ contains
       type(group_rule_t), intent(in) :: rule             !! Its group
       type(key_t), intent(in) :: key
       type(buffer_t), intent(inout) :: buffer            !! Extended by the text
+      character(len=:), allocatable :: note
       integer :: i
 
       call buffer%line(key%group//"."//key%name//"  "//key%doc)
       call buffer%line("   kind: "//kind_of(key))
-      if (key%unit_text /= "") call buffer%line("   unit: "//key%unit_text//unit_note(key))
+      note = ""
+      if (any(abs(key%unit%power(:3)) > 0.0_wp)) note = ", or that of &units system"
+      if (key%unit_text /= "") call buffer%line("   unit: "//key%unit_text//note)
       if (key%range%text /= "") call buffer%line("   range: "//key%range%text)
       if (size(key%words) > 0) call buffer%line("   one of: "//join(key%words, " "))
       if (key%target /= "") call buffer%line("   refers to: name of &"//key%target)
@@ -267,15 +270,6 @@ contains
             rule%changes(n)%why
       end do
    end function restart_note
-
-   !> Note on the unit of a key.
-   pure function unit_note(key) result(note)
-      type(key_t), intent(in) :: key
-      character(len=:), allocatable :: note
-
-      note = ""
-      if (any(abs(key%unit%power(:3)) > 0.0_wp)) note = ", or that of &units system"
-   end function unit_note
 
    !> Kind and number of values of a key.
    pure function kind_of(key) result(text)

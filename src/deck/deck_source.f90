@@ -48,7 +48,7 @@ contains
       type(namelist_t) :: namelist
       type(problems_t) :: ignored
       character(len=:), allocatable :: text
-      integer :: at, i
+      integer :: at, i, k, lines
 
       call read_plain_text(path, text, error)
       if (allocated(error)) return
@@ -61,22 +61,12 @@ contains
             call include_file(block, path, chain, buffer, error)
             if (allocated(error)) return
             at = block%last + 1
-            call buffer%add(file_mark(path, 1 + lines_in(text(:block%last))))
+            lines = count([(text(k:k) == newline, k=1, block%last)])
+            call buffer%add(file_mark(path, 1 + lines))
          end associate
       end do
       call buffer%line(text(at:))
    end subroutine append_file
-
-   !> Number of line ends in a text.
-   pure integer function lines_in(text) result(lines)
-      character(len=*), intent(in) :: text               !! Text
-      integer :: i
-
-      lines = 0
-      do i = 1, len(text)
-         if (text(i:i) == newline) lines = lines + 1
-      end do
-   end function lines_in
 
    !> Append the file that an &include names.
    recursive subroutine include_file(block, path, chain, buffer, error)
@@ -134,7 +124,7 @@ contains
       character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read or is no text
       character(len=:), allocatable :: raw
-      integer :: i, lines, start
+      integer :: i, lines, start, filled
 
       if (file_exists(path//"/.")) then
          call fail(error, exit_file, path//own_error//"this is a folder, not a deck [F101]")
@@ -160,15 +150,8 @@ contains
             number(iachar(raw(i:i)))//" is not allowed; a deck is plain text [D107]")
          return
       end do
-      text = unix_lines(raw(start:))
-   end subroutine read_plain_text
-
-   !> A text with line feeds alone at the ends of lines.
-   pure function unix_lines(raw) result(text)
-      character(len=*), intent(in) :: raw                !! Any ends of lines
-      character(len=:), allocatable :: text
-      integer :: filled, i
-
+      ! line feeds alone at the ends of lines
+      raw = raw(start:)
       allocate (character(len=len(raw)) :: text)
       filled = 0
       do i = 1, len(raw)
@@ -180,5 +163,5 @@ contains
          if (raw(i:i) == carriage_return) text(filled:filled) = newline
       end do
       text = text(:filled)
-   end function unix_lines
+   end subroutine read_plain_text
 end module deck_source

@@ -174,10 +174,19 @@ contains
       type(written_unit_t), intent(out) :: self         !! The unit, or its fault
       character(len=*), intent(in) :: text               !! Symbols with powers
       character(len=:), allocatable :: word
-      integer :: first, last
+      integer :: first, last, at, n
       logical :: below
+      character(len=2), parameter :: micro(2) = [char(194)//char(181), char(206)//char(188)]
 
-      word = with_ascii_micro(text)
+      ! u for the micro sign of UTF-8
+      word = text
+      do n = 1, size(micro)
+         at = index(word, micro(n))
+         do while (at > 0)
+            word = word(:at - 1)//"u"//word(at + 2:)
+            at = index(word, micro(n))
+         end do
+      end do
       self%fault = ""
       below = .false.
       first = 1
@@ -200,23 +209,6 @@ contains
          first = first + 1
       end do
    end subroutine read_unit
-
-   !> A text with u for the micro sign of UTF-8.
-   pure function with_ascii_micro(text) result(word)
-      character(len=*), intent(in) :: text               !! Text as written
-      character(len=:), allocatable :: word
-      character(len=2), parameter :: micro(2) = [char(194)//char(181), char(206)//char(188)]
-      integer :: at, n
-
-      word = text
-      do n = 1, size(micro)
-         at = index(word, micro(n))
-         do while (at > 0)
-            word = word(:at - 1)//"u"//word(at + 2:)
-            at = index(word, micro(n))
-         end do
-      end do
-   end function with_ascii_micro
 
    !> Multiply a unit by a symbol and its power.
    pure subroutine take_symbol(self, name, behind, below, letters)

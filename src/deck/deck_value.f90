@@ -88,7 +88,22 @@ contains
       integer :: first, i, number_of_values
 
       problem = ""
-      call allocate_values(key, value)
+      ! arrays are added unless present
+      if (.not. allocated(value%filled)) allocate (value%filled(key%number_of_values), &
+         source=.false.)
+      select case (key%kind)
+      case (kind_real)
+         if (.not. allocated(value%numbers)) allocate (value%numbers(key%number_of_values), &
+            source=0.0_wp)
+      case (kind_integer)
+         if (.not. allocated(value%integers)) allocate (value%integers(key%number_of_values), &
+            source=0)
+      case (kind_logical)
+         if (.not. allocated(value%switches)) allocate (value%switches(key%number_of_values), &
+            source=.false.)
+      case default
+         if (.not. allocated(value%texts)) allocate (value%texts(key%number_of_values))
+      end select
       first = max(subscript, 1)
       number_of_values = key%number_of_values - first + 1
       call expand_repeats(key, tokens, number_of_values, items, problem)
@@ -143,28 +158,6 @@ contains
       text = number(values)//" values"
       if (values == 1) text = "1 value"
    end function values_text
-
-   !> Allocate the arrays of a value.
-   subroutine allocate_values(key, value)
-      type(key_t), intent(in) :: key
-      type(value_t), intent(inout) :: value              !! Arrays are added unless present
-
-      if (.not. allocated(value%filled)) allocate (value%filled(key%number_of_values), &
-         source=.false.)
-      select case (key%kind)
-      case (kind_real)
-         if (.not. allocated(value%numbers)) allocate (value%numbers(key%number_of_values), &
-            source=0.0_wp)
-      case (kind_integer)
-         if (.not. allocated(value%integers)) allocate (value%integers(key%number_of_values), &
-            source=0)
-      case (kind_logical)
-         if (.not. allocated(value%switches)) allocate (value%switches(key%number_of_values), &
-            source=.false.)
-      case default
-         if (.not. allocated(value%texts)) allocate (value%texts(key%number_of_values))
-      end select
-   end subroutine allocate_values
 
    !> Resolve commas and repeat counts such as 3*0.0. Copies beyond the last value are left out.
    subroutine expand_repeats(key, tokens, number_of_values, items, problem)

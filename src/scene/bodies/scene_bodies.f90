@@ -6,7 +6,6 @@ module scene_bodies
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: schema_t
    use material_type, only: material_t
-   use mesh_grid, only: grid_t
    use particle_body, only: body_t
    use particle_disks, only: disks_t, start_disks
    use particle_store, only: traits_t
@@ -79,17 +78,30 @@ contains
    !> Check that there are bodies, and the velocity, spin and temperature of each.
    subroutine check_bodies(deck)
       type(deck_t), intent(inout) :: deck                !! Collects errors
+      character(len=:), allocatable :: dimension
+      type(group_t) :: body, run
+      real(wp) :: spin(3)
       integer :: i
 
+      run = deck%group("run")
+      call run%get("dimension", dimension)
       if (deck%count("body") == 0) call deck%add_error("body", 1, &
          "there is no body, so nothing to compute [D403]")
       do i = 1, deck%count("body")
-         call check_plane(deck, deck%group("body", i), "velocity")
-         call check_plane(deck, deck%group("body", i), "direction")
-         call check_plane(deck, deck%group("body", i), "repeat_step")
-         call check_speed(deck, deck%group("body", i))
-         call check_spin(deck, deck%group("body", i))
-         call check_kelvin(deck, deck%group("body", i), "temperature")
+         body = deck%group("body", i)
+         call check_plane(deck, body, "velocity")
+         call check_plane(deck, body, "direction")
+         call check_plane(deck, body, "repeat_step")
+         call check_speed(deck, body)
+         ! in a plane or on a line bodies turn only in the plane
+         if (dimension /= "3d" .and. body%given("spin") .and. body%known("spin")) then
+            call body%get("spin", spin)
+            if (dimension == "plane_strain") spin(2) = 0.0_wp
+            if (any(abs(spin) > 0.0_wp)) call deck%add_error(body, &
+               "spin leaves the plane of dimension = '"// &
+               dimension//"'; bodies rotate only in plane_strain, about y [D333]", "spin")
+         end if
+         call check_kelvin(deck, body, "temperature")
       end do
    end subroutine check_bodies
 
@@ -114,33 +126,17 @@ contains
       end if
    end subroutine check_speed
 
-   !> In a plane or on a line bodies turn only in the plane.
-   subroutine check_spin(deck, body)
-      type(deck_t), intent(inout) :: deck
-      type(group_t), intent(in) :: body                  !! One body
-      character(len=:), allocatable :: dimension
-      real(wp) :: spin(3)
-      type(group_t) :: run
-
-      run = deck%group("run")
-      call run%get("dimension", dimension)
-      if (dimension == "3d" .or. .not. (body%given("spin") .and. body%known("spin"))) return
-      call body%get("spin", spin)
-      if (dimension == "plane_strain") spin(2) = 0.0_wp
-      if (any(abs(spin) > 0.0_wp)) call deck%add_error(body, &
-         "spin leaves the plane of dimension = '"// &
-         dimension//"'; bodies rotate only in plane_strain, about y [D333]", "spin")
-   end subroutine check_spin
-
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
       type(named_shape_t), intent(in) :: shapes(:)
       type(body_t), allocatable, intent(out) :: bodies(:) !! In the order of the deck
-      type(group_t) :: group
+      type(group_t) :: group, run
       character(len=:), allocatable :: region, material, packing
-      integer :: index
+      integer :: index, seed
+      real(wp) :: direction(3), speed
+      type(disks_t) :: disks
 
       allocate (bodies(deck%count("body")))
       do index = 1, size(bodies)
@@ -156,7 +152,16 @@ contains
             call group%get("packing", packing)
             body%cut = packing == "cut"
             body%jitter = packing == "jitter"
-            call read_velocity(group, body)
+            ! velocity from components, or from speed and direction, and formulas of an added
+            ! velocity
+            call group%get("velocity", body%velocity)
+            if (group%given("speed")) then
+               call group%get("speed", speed)
+               call group%get("direction", direction)
+               direction = direction/maxval(abs(direction))
+               body%velocity = speed*(direction/norm2(direction))
+            end if
+            if (group%given("velocity_formula")) call group%list("velocity_formula", body%formula)
             call group%get("spin", body%spin)
             if (deck%sound("material", body%store)) &
                call read_heat(deck, group, simulation%materials(body%store), body)
@@ -165,45 +170,20 @@ contains
                body%per_cell = 1
                body%velocity = 0.0_wp
             end where
-            if (packing == "poisson_disk") call pack_disks(deck, simulation%space%grid, index, body)
+            ! random positions with a least distance between them
+            if (packing == "poisson_disk") then
+               run = deck%group("run")
+               call run%get("seed", seed)
+               call start_disks(disks, simulation%space%grid, product(body%per_cell), int(seed, &
+                  int64), int(index, int64))
+               allocate (body%given, source=disks)
+            end if
             call read_points(deck, simulation, group, shapes(body%region), body)
             if (deck%sound("material", body%store)) &
                call read_lithostatic(deck, simulation, group, body)
          end associate
       end do
    end subroutine read_bodies
-
-   !> Velocity from components, or from speed and direction, and formulas of an added velocity.
-   subroutine read_velocity(group, body)
-      type(group_t), intent(in) :: group             !! The &body
-      type(body_t), intent(inout) :: body            !! Gets its velocity
-      real(wp) :: direction(3), speed
-
-      call group%get("velocity", body%velocity)
-      if (group%given("speed")) then
-         call group%get("speed", speed)
-         call group%get("direction", direction)
-         direction = direction/maxval(abs(direction))
-         body%velocity = speed*(direction/norm2(direction))
-      end if
-      if (group%given("velocity_formula")) call group%list("velocity_formula", body%formula)
-   end subroutine read_velocity
-
-   !> Particles at random positions with a least distance between them.
-   subroutine pack_disks(deck, grid, index, body)
-      type(deck_t), intent(in) :: deck
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: index                   !! Number of the body
-      type(body_t), intent(inout) :: body            !! Gets its particles
-      type(group_t) :: group
-      type(disks_t) :: disks
-      integer :: seed
-
-      group = deck%group("run")
-      call group%get("seed", seed)
-      call start_disks(disks, grid, product(body%per_cell), int(seed, int64), int(index, int64))
-      allocate (body%given, source=disks)
-   end subroutine pack_disks
 
    !> Particles from a list, if region and packing request it, and the fields that the list gives.
    subroutine read_points(deck, simulation, group, shape, body)

@@ -86,7 +86,17 @@ contains
       do n = 1, size(bodies)
          call cut_bounds(simulation%space%grid, bodies(n), low(:, n), high(:, n))
          if (survey%body(n) == 0 .or. .not. bodies(n)%share > 0.0_wp) then
-            call refuse_empty(deck, simulation%space%grid, bodies(n), n)
+            ! why it has no particle
+            call bodies(n)%shape%bounds(low(:, n), high(:, n))
+            if (any(simulation%space%grid%active .and. (high(:, n) <= simulation%space%grid%lower &
+               .or. low(:, n) >= simulation%space%grid%upper))) then
+               call deck%add_error("body", n, "lies outside of the grid; "// &
+                  "move its region or widen &grid [D409]", "region")
+            else
+               call deck%add_error("body", n, "holds no particle: its region "// &
+                  "is thinner than the lattice of dx/ppc, empty, or covered by later "// &
+                  "bodies [D410]", "region")
+            end if
             cycle
          end if
          call check_outside(deck, simulation, bodies(n), n)
@@ -133,25 +143,6 @@ contains
          end associate
       end do
    end subroutine check_elastic
-
-   !> Report why a body has no particle.
-   subroutine refuse_empty(deck, grid, body, place)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(grid_t), intent(in) :: grid
-      type(body_t), intent(in) :: body
-      integer, intent(in) :: place                   !! Number of the body in the deck
-      real(wp) :: low(3), high(3)
-
-      call body%shape%bounds(low, high)
-      if (any(grid%active .and. (high <= grid%lower .or. low >= grid%upper))) then
-         call deck%add_error("body", place, "lies outside of the grid; "// &
-            "move its region or widen &grid [D409]", "region")
-      else
-         call deck%add_error("body", place, "holds no particle: its region "// &
-            "is thinner than the lattice of dx/ppc, empty, or covered by later bodies [D410]", &
-            "region")
-      end if
-   end subroutine refuse_empty
 
    !> Warn if a part of a body is outside the grid. Parts behind a mirror plane are images and are
    !! not counted.

@@ -32,6 +32,7 @@ contains
       type(facets_t) :: facets
       type(unit_t) :: length
       logical :: known
+      integer :: open_edges, turned_edges, crowded_edges, flat
 
       path = path_in_deck(group, "file")
       if (communicator%rank == 0) call read_file(path, text, error)
@@ -47,17 +48,7 @@ contains
       call unit_of("m", length, known)
       corner(:, :, :) = corner*10.0_wp**nint(length%exponent(deck%system))
       call set_facets(facets, corner)
-      call examine_surface(deck, group, facets)
-      call holder%set(facets)
-   end subroutine read_facets
-
-   !> Warn of a surface that does not close.
-   subroutine examine_surface(deck, group, facets)
-      type(deck_t), intent(inout) :: deck            !! Collects warnings
-      type(group_t), intent(in) :: group
-      type(facets_t), intent(in) :: facets           !! Shape of the facets
-      integer :: open_edges, turned_edges, crowded_edges, flat
-
+      ! the surface must close
       call facets%faults(open_edges, turned_edges, crowded_edges, flat)
       if (open_edges > 0) call deck%warn(group, "the surface has "//number(open_edges)// &
          " open edges, so points above a hole count as outside; close the surface [D411]", "file")
@@ -69,5 +60,6 @@ contains
          "out [D446]", "file")
       if (open_edges == 0 .and. facets%volume() < 0.0_wp) call deck%warn(group, &
          "all facets face inwards; the enclosed volume is used [D446]", "file")
-   end subroutine examine_surface
+      call holder%set(facets)
+   end subroutine read_facets
 end module scene_facets

@@ -25,7 +25,7 @@ module scene_particles
    use scene_cell, only: start_cell
    use scene_contact, only: bond_stores, store_name
    use step_normalised_sums, only: choose_normalised
-   use step_simulation, only: simulation_effects_t, simulation_t
+   use step_simulation, only: simulation_t
    use step_sort_particles, only: sort_particles
    use step_time_step, only: find_stable_step, greatest_diffusivity
    implicit none
@@ -54,7 +54,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       integer(int64) :: none(0)
       integer(int64), allocatable :: border(:)
-      integer :: material
+      integer :: material, effect, n
 
       allocate (simulation%scratch(0:omp_get_max_threads() - 1))
       if (simulation%scheme%method%dual) then
@@ -71,14 +71,7 @@ contains
       end do
       simulation%scheme%repacks = any(simulation%materials%repacks)
       call choose_normalised(simulation%space%grid, simulation%materials, simulation%scheme)
-      call name_phases(simulation)
-   end subroutine prepare_simulation
-
-   !> Names of the timed phases, in the order of the table.
-   subroutine name_phases(simulation)
-      type(simulation_t), intent(inout) :: simulation
-      integer :: effect, n
-
+      ! names of the timed phases, in the order of the table
       associate (timer => simulation%machine%timer, phase => simulation%machine%phase)
          phase%sort = timer%phase("sort, move tiles")
          phase%scatter = timer%phase("points to nodes")
@@ -97,14 +90,14 @@ contains
          phase%output = timer%phase("output")
          phase%checkpoint = timer%phase("checkpoint")
       end associate
-   end subroutine name_phases
+   end subroutine prepare_simulation
 
    !> Make empty stores for the materials, with the fields that they need.
    subroutine make_stores(simulation, several)
       type(simulation_t), intent(inout) :: simulation
       logical, intent(in) :: several                 !! Are there several bodies?
       type(traits_t) :: traits
-      integer :: index
+      integer :: index, slots
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)
       allocate (simulation%stores(size(simulation%materials)))
@@ -129,7 +122,10 @@ contains
                if (allocated(simulation%effects%exact%material(index)%solution)) &
                   allocate (store%origin%reference(0, 3))
             end if
-            call add_load_marks(simulation%effects, store)
+            ! the functions of the loads that follow the material
+            slots = 0
+            if (allocated(simulation%effects%loads)) slots = maxval(simulation%effects%loads%slot)
+            if (slots > 0) allocate (store%origin%marks(0, mark_columns*slots))
             simulation%scheme%carries_energy = simulation%scheme%carries_energy .or. &
                allocated(store%state%energy)
          end associate
@@ -138,17 +134,6 @@ contains
          allocated(simulation%effects%loads)
       if (allocated(simulation%effects%contact)) call bond_stores(simulation)
    end subroutine make_stores
-
-   !> Allocate the functions of the loads that follow the material.
-   pure subroutine add_load_marks(effects, store)
-      type(simulation_effects_t), intent(in) :: effects
-      type(store_t), intent(inout) :: store
-      integer :: slots
-
-      if (.not. allocated(effects%loads)) return
-      slots = maxval(effects%loads%slot)
-      if (slots > 0) allocate (store%origin%marks(0, mark_columns*slots))
-   end subroutine add_load_marks
 
    !> Count the particles of bodies and tiles, and find the volumes of randomly placed ones.
    subroutine take_survey(simulation, bodies, survey)
@@ -173,11 +158,25 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
-      integer(int64), allocatable :: own(:), none(:)
-      integer :: index
+      integer(int64), allocatable :: own(:), none(:), border(:), rows(:, :)
+      integer :: index, tile
+      integer, allocatable :: owner(:)
 
       call number_bodies(simulation%space%grid, bodies)
-      call distribute_tiles(simulation, survey, own)
+      ! the curve is cut so that ranks get equal numbers of particles; each rank gets its tiles
+      associate (machine => simulation%machine)
+         call partition_scattered_keys(machine%communicator, survey%key, survey%particles_of, &
+            border)
+         call simulation%space%tiles%cut(border)
+         allocate (owner(size(survey%key)), rows(1, size(survey%key)))
+         do tile = 1, size(owner)
+            rows(1, tile) = survey%key(tile)
+            owner(tile) = simulation%space%tiles%owner(survey%key(tile))
+         end do
+         call machine%communicator%send_rows(owner, rows, own)
+         own = own(sort_order(own))
+         machine%load%listed = max(size(survey%key, kind=int64), size(own, kind=int64))
+      end associate
       allocate (none(0))
       call simulation%space%tiles%set(simulation%space%grid, own, none)
       do index = 1, size(simulation%stores)
@@ -226,30 +225,6 @@ contains
       end do
    end subroutine fill_store
 
-   !> Cut the curve so that ranks get equal numbers of particles, and send each rank its tiles.
-   subroutine distribute_tiles(simulation, survey, own)
-      type(simulation_t), intent(inout) :: simulation !! Gets the cuts
-      type(survey_t), intent(in) :: survey           !! Counts of particles
-      integer(int64), allocatable, intent(out) :: own(:) !! Keys of its tiles, ascending
-      integer(int64), allocatable :: border(:), rows(:, :)
-      integer, allocatable :: owner(:)
-      integer :: tile
-
-      associate (machine => simulation%machine)
-         call partition_scattered_keys(machine%communicator, survey%key, survey%particles_of, &
-            border)
-         call simulation%space%tiles%cut(border)
-         allocate (owner(size(survey%key)), rows(1, size(survey%key)))
-         do tile = 1, size(owner)
-            rows(1, tile) = survey%key(tile)
-            owner(tile) = simulation%space%tiles%owner(survey%key(tile))
-         end do
-         call machine%communicator%send_rows(owner, rows, own)
-         own = own(sort_order(own))
-         machine%load%listed = max(size(survey%key, kind=int64), size(own, kind=int64))
-      end associate
-   end subroutine distribute_tiles
-
    !> Set the state of the particles of a tile at the start. The particles of a body are contiguous.
    subroutine start_tile(bodies, material, tile, store)
       type(body_t), intent(in) :: bodies(:)
@@ -279,19 +254,28 @@ contains
    subroutine spin_bodies(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! With particles
       type(body_t), intent(in) :: bodies(:)
-      real(wp) :: centre(3)
+      real(wp) :: centre(3), spin(3)
       integer(int64) :: first, last
-      integer :: body
+      integer :: body, tile, p
 
       do body = 1, size(bodies)
-         if (.not. any(abs(bodies(body)%spin) > 0.0_wp)) cycle
+         spin = bodies(body)%spin
+         if (.not. any(abs(spin) > 0.0_wp)) cycle
          first = bodies(body)%first_identity
          last = first + product(bodies(body)%sites(simulation%space%grid)) - 1
-         call find_centre(simulation%machine%communicator, simulation%stores(bodies(body)%store), &
-            first, &
-            last, centre)
-         call add_spin(first, last, bodies(body)%spin, centre, &
-            simulation%stores(bodies(body)%store))
+         associate (store => simulation%stores(bodies(body)%store))
+            call find_centre(simulation%machine%communicator, store, first, last, centre)
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  if (store%identity(p) < first .or. store%identity(p) > last) cycle
+                  store%velocity(p, :) = store%velocity(p, :) &
+                     + cross(spin, store%position(p, :) - centre)
+                  if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
+                     -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
+                  if (allocated(store%spin)) store%spin(p, :) = spin
+               end do
+            end do
+         end associate
       end do
    end subroutine spin_bodies
 
@@ -321,32 +305,6 @@ contains
       end do
       centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
    end subroutine find_centre
-
-   !> Add the velocities of a rotation to the particles of a range of identities.
-   subroutine add_spin(first, last, spin, centre, store)
-      integer(int64), intent(in) :: first, last      !! Least and greatest identity
-      real(wp), intent(in) :: spin(3)                !! Angular velocity [rad/s]
-      real(wp), intent(in) :: centre(3)              !! A point of the axis [m]
-      type(store_t), intent(inout) :: store
-      real(wp) :: arm(3)
-      integer :: tile, p, k
-
-      do tile = 1, size(store%count)
-         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-            if (store%identity(p) < first .or. store%identity(p) > last) cycle
-            do k = 1, 3
-               arm(k) = store%position(p, k) - centre(k)
-            end do
-            arm = cross(spin, arm)
-            do k = 1, 3
-               store%velocity(p, k) = store%velocity(p, k) + arm(k)
-            end do
-            if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
-               -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
-            if (allocated(store%spin)) store%spin(p, :) = spin
-         end do
-      end do
-   end subroutine add_spin
 
    !> Index of the body of a particle.
    pure integer function body_of(bodies, identity) result(body)
@@ -416,10 +374,10 @@ contains
    subroutine list_runs(simulation, run)
       type(simulation_t), intent(in) :: simulation
       integer(int64), allocatable, intent(out) :: run(:, :) !! (2, run) Tile, and particles
-      integer(int64), allocatable :: whole(:, :)
+      integer(int64), allocatable :: whole(:, :), longer(:, :)
       integer(int64) :: key
       integer :: index, n, filled, owner(3), cells(3)
-      logical :: lost
+      logical :: again, lost
 
       allocate (run(2, 64))
       filled = 0
@@ -429,35 +387,26 @@ contains
                call find_place(simulation%space%grid, simulation%space%boundary, [position(n, 1), &
                   position(n, 2), position(n, 3)], owner, cells, lost)
                key = hilbert_key(owner, simulation%space%grid%dimensions)
-               call add_to_runs(key, run, filled)
+               ! it belongs to the last run, or begins a new one in another tile
+               again = filled > 0
+               if (again) again = run(1, filled) == key
+               if (again) then
+                  run(2, filled) = run(2, filled) + 1
+                  cycle
+               end if
+               if (filled == size(run, 2)) then
+                  allocate (longer(2, 2*filled))
+                  longer(:, :filled) = run
+                  call move_alloc(longer, run)
+               end if
+               filled = filled + 1
+               run(:, filled) = [key, 1_int64]
             end do
          end associate
       end do
       allocate (whole(2, filled), source=run(:, :filled))
       call move_alloc(whole, run)
    end subroutine list_runs
-
-   !> Add a particle to the last run, or begin a new one in another tile.
-   pure subroutine add_to_runs(key, run, filled)
-      integer(int64), intent(in) :: key              !! Tile of the particle
-      integer(int64), allocatable, intent(inout) :: run(:, :) !! (2, run); grows as needed
-      integer, intent(inout) :: filled               !! Runs in use
-      integer(int64), allocatable :: longer(:, :)
-
-      if (filled > 0) then
-         if (run(1, filled) == key) then
-            run(2, filled) = run(2, filled) + 1
-            return
-         end if
-      end if
-      if (filled == size(run, 2)) then
-         allocate (longer(2, 2*filled))
-         longer(:, :filled) = run
-         call move_alloc(longer, run)
-      end if
-      filled = filled + 1
-      run(:, filled) = [key, 1_int64]
-   end subroutine add_to_runs
 
    !> Stable time step for the initial state [s].
    subroutine first_step(simulation)

@@ -145,7 +145,10 @@ contains
       integer, allocatable :: place(:)
       logical, allocatable :: meant(:)
       real(wp), allocatable :: position(:, :), volume(:)
-      integer :: n
+      integer :: n, large
+      real(wp), parameter :: pi2 = 6.283185307179586_wp
+      real(wp), parameter :: little = 1.0e-6_wp
+      real(wp) :: cell
 
       allocate (meant(size(points%list%position, 2)))
       meant = .true.
@@ -155,7 +158,16 @@ contains
       place = pack([(n, n=1, size(meant))], meant)
       call check_positions(deck, grid, boundary, group, points, place)
       if (.not. deck%sound("body", group%place)) return
-      call check_sizes(deck, grid, group, points%list, place)
+      ! points larger than a cell may share no node with their neighbours
+      large = 0
+      do n = 1, size(place)
+         cell = grid%spacing**grid%dimensions*grid%depth
+         if (grid%axisymmetric) cell = grid%spacing**2*pi2*points%list%position(1, place(n))
+         if (points%list%volume(place(n)) > (1.0_wp + little)*cell) large = large + 1
+      end do
+      if (large > 0) call deck%warn(group, number(large)//" of "//number(size(place))// &
+         " points are larger than a cell: the material has gaps; use larger cells or more "// &
+         "points [D412]", "region")
       allocate (row(size(place)), position(3, size(place)), volume(size(place)))
       do n = 1, size(place)
          row(n) = place(n)
@@ -300,27 +312,6 @@ contains
       text = "("//text(2:)//")"
    end function place_text
 
-   !> Warn of points larger than a cell: they may share no node with their neighbours.
-   subroutine check_sizes(deck, grid, group, list, place)
-      type(deck_t), intent(inout) :: deck            !! Collects warnings
-      type(grid_t), intent(in) :: grid
-      type(group_t), intent(in) :: group
-      type(point_list_t), intent(in) :: list
-      integer, intent(in) :: place(:)                !! Rows of the body
-      real(wp), parameter :: pi2 = 6.283185307179586_wp, little = 1.0e-6_wp
-      real(wp) :: cell
-      integer :: n, large
-
-      large = 0
-      do n = 1, size(place)
-         cell = grid%spacing**grid%dimensions*grid%depth
-         if (grid%axisymmetric) cell = grid%spacing**2*pi2*list%position(1, place(n))
-         if (list%volume(place(n)) > (1.0_wp + little)*cell) large = large + 1
-      end do
-      if (large > 0) call deck%warn(group, number(large)//" of "//number(size(place))// &
-         " points are larger than a cell: the material has gaps; use larger cells or more "// &
-         "points [D412]", "region")
-   end subroutine check_sizes
    !> True for fields that particles read from a snapshot in addition to position and volume. They
    !! get new identities.
    pure logical function comes_from_file(name, stress) result(yes)

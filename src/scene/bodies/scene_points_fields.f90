@@ -45,14 +45,28 @@ contains
       type(named_shape_t), intent(in) :: shapes(:)
       type(error_t), allocatable, intent(out) :: error !! A file has become unreadable
       type(putter_t) :: putter
-      integer :: n
+      integer :: n, tile, p, found
+      integer(int64) :: row
 
       do n = 1, size(bodies)
          if (bodies(n)%on_lattice()) cycle
          if (.not. allocated(shapes(bodies(n)%region)%points)) cycle
          associate (store => simulation%stores(bodies(n)%store), &
             points => shapes(bodies(n)%region)%points)
-            call find_particles(store, bodies(n), size(points%list%position, 2), putter)
+            ! its particles and their rows
+            if (allocated(putter%particle)) deallocate (putter%particle, putter%row)
+            allocate (putter%particle(store%particles()), putter%row(store%particles()))
+            found = 0
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  row = store%identity(p) - bodies(n)%first_identity + 1
+                  if (row < 1 .or. row > size(points%list%position, 2)) cycle
+                  found = found + 1
+                  putter%particle(found) = p
+                  putter%row(found) = row
+               end do
+            end do
+            putter%count = found
             if (allocated(points%list%velocity)) then
                putter%name = "velocity"
                putter%adds = .true.
@@ -65,30 +79,6 @@ contains
          if (allocated(error)) return
       end do
    end subroutine read_point_fields
-
-   !> Particles of a body and their rows.
-   subroutine find_particles(store, body, rows, putter)
-      type(store_t), intent(in) :: store
-      type(body_t), intent(in) :: body
-      integer, intent(in) :: rows                    !! Rows of its file
-      type(putter_t), intent(inout) :: putter        !! Gets both
-      integer(int64) :: row
-      integer :: tile, p, found
-
-      if (allocated(putter%particle)) deallocate (putter%particle, putter%row)
-      allocate (putter%particle(store%particles()), putter%row(store%particles()))
-      found = 0
-      do tile = 1, size(store%count)
-         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-            row = store%identity(p) - body%first_identity + 1
-            if (row < 1 .or. row > rows) cycle
-            found = found + 1
-            putter%particle(found) = p
-            putter%row(found) = row
-         end do
-      end do
-      putter%count = found
-   end subroutine find_particles
 
    !> Read the fields of a snapshot that the particles carry, one chunk at a time.
    subroutine take_snapshot(simulation, points, body, putter, error)

@@ -23,9 +23,22 @@ contains
       real(wp), allocatable :: corner(:, :)
       real(wp) :: span(2)
       integer :: axis
+      real(wp), parameter :: far = 1.0e6_wp  ! extents of the box
 
       call find_axis(deck, grid, group, axis)
-      call find_span(deck, grid, group, span)
+      ! extent along the axis
+      span = [-far, far]*maxval(grid%upper - grid%lower)
+      if (grid%dimensions < 3) then
+         if (group%given("span")) call deck%add_error(group, "in a plane scene a prism is "// &
+            "unbounded across the plane; remove span [D357]", "span")
+      else if (.not. group%given("span")) then
+         call deck%add_error(group, "in 3-D a prism needs span, its start and end along the "// &
+            "axis [D357]", "span")
+      else
+         call group%get("span", span)
+         if (.not. span(2) > span(1)) call deck%add_error(group, "the end of span must be "// &
+            "above its start [D357]", "span")
+      end if
       call find_corners(deck, group, corner)
       if (deck%sound("region", group%place)) call holder%set(prism(corner, axis, span))
    end subroutine build_prism
@@ -49,28 +62,6 @@ contains
          "the axis of a prism is y, across the plane; remove axis [D357]", "axis")
       axis = 2
    end subroutine find_axis
-
-   !> Its extent along the axis.
-   subroutine find_span(deck, grid, group, span)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(grid_t), intent(in) :: grid               !! Gives the active directions
-      type(group_t), intent(in) :: group
-      real(wp), intent(out) :: span(2)               !! [m]
-      real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
-
-      span = [-far, far]*maxval(grid%upper - grid%lower)
-      if (grid%dimensions < 3) then
-         if (group%given("span")) call deck%add_error(group, "in a plane scene a prism is "// &
-            "unbounded across the plane; remove span [D357]", "span")
-      else if (.not. group%given("span")) then
-         call deck%add_error(group, "in 3-D a prism needs span, its start and end along the "// &
-            "axis [D357]", "span")
-      else
-         call group%get("span", span)
-         if (.not. span(2) > span(1)) call deck%add_error(group, "the end of span must be "// &
-            "above its start [D357]", "span")
-      end if
-   end subroutine find_span
 
    !> Corners of the polygon; a last one that repeats the first is left out.
    subroutine find_corners(deck, group, corner)

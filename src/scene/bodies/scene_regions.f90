@@ -118,55 +118,49 @@ contains
    subroutine check_regions(deck)
       type(deck_t), intent(inout) :: deck
       integer, allocatable :: state(:)
-      integer :: i
+      integer :: i, k, operands
+      type(group_t) :: region
+      character(len=:), allocatable :: dimension, shape
+      logical :: active(3)
+      real(wp) :: axis(3), hi(3), lo(3)
 
       do i = 1, deck%count("region")
-         call check_region(deck, deck%group("region", i))
+         region = deck%group("region", i)
+         call check_angles(deck, region)
+         call region%get("shape", shape)
+         select case (shape)
+         case ("box")
+            if (.not. (region%known("lo") .and. region%known("hi"))) cycle
+            call region%get("lo", lo)
+            call region%get("hi", hi)
+            call dimension_of(deck, dimension, active)
+            do k = 1, 3
+               if (hi(k) > lo(k) .or. .not. active(k)) cycle
+               call deck%add_error(region, "hi must be above lo in "//axis_names(k)//" [D408]", &
+                  "hi")
+               exit
+            end do
+         case ("halfspace")
+            call region%get("normal", axis)
+            if (region%known("normal") .and. sum(abs(axis)) <= 0.0_wp) &
+               call deck%add_error(region, "normal must not be 0 [D419]", "normal")
+         case ("cylinder", "cone", "torus")
+            call region%get("axis", axis)
+            if (region%known("axis") .and. sum(abs(axis)) <= 0.0_wp) &
+               call deck%add_error(region, "axis must not be 0 [D419]", "axis")
+         case ("difference", "intersection")
+            operands = region%count("of")
+            if (operands == 1) call deck%add_error(region, &
+               "of must name two regions or more for a "//shape//" [D420]", "of")
+         case default
+            continue
+         end select
       end do
       allocate (state(deck%count("region")), source=0)
       do i = 1, size(state)
          if (state(i) == 0) call check_operands(deck, i, state)
       end do
    end subroutine check_regions
-
-   !> One region.
-   subroutine check_region(deck, region)
-      type(deck_t), intent(inout) :: deck
-      type(group_t), intent(in) :: region
-      character(len=:), allocatable :: dimension, shape
-      logical :: active(3)
-      real(wp) :: axis(3), hi(3), lo(3)
-      integer :: k, operands
-
-      call check_angles(deck, region)
-      call region%get("shape", shape)
-      select case (shape)
-      case ("box")
-         if (.not. (region%known("lo") .and. region%known("hi"))) return
-         call region%get("lo", lo)
-         call region%get("hi", hi)
-         call read_dimension(deck, dimension, active)
-         do k = 1, 3
-            if (hi(k) > lo(k) .or. .not. active(k)) cycle
-            call deck%add_error(region, "hi must be above lo in "//axis_names(k)//" [D408]", "hi")
-            return
-         end do
-      case ("halfspace")
-         call region%get("normal", axis)
-         if (region%known("normal") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%add_error(region, "normal must not be 0 [D419]", "normal")
-      case ("cylinder", "cone", "torus")
-         call region%get("axis", axis)
-         if (region%known("axis") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%add_error(region, "axis must not be 0 [D419]", "axis")
-      case ("difference", "intersection")
-         operands = region%count("of")
-         if (operands == 1) call deck%add_error(region, &
-            "of must name two regions or more for a "//shape//" [D420]", "of")
-      case default
-         continue
-      end select
-   end subroutine check_region
 
    !> Follow the operands of a region; a region that refers to itself has no shape.
    recursive subroutine check_operands(deck, place, state)
@@ -221,8 +215,9 @@ contains
       integer, intent(in) :: index                   !! Index of the region
       type(group_t) :: group
       character(len=:), allocatable :: about, word
-      real(wp) :: scale, rotate(3), translate(3)
+      real(wp) :: scale, rotate(3), translate(3), centre(3), high(3), low(3), turned(3)
       logical :: own_centre
+      real(wp), parameter :: unmoved(3) = 0.0_wp
 
       if (shapes(index)%ready) return
       group = deck%group("region", index)
@@ -245,10 +240,8 @@ contains
             shapes(index)%shape)
       case ("prism")
          call build_prism(deck, grid, group, shapes(index)%shape)
-      case ("ellipsoid", "cone", "torus", "halfspace")
-         call build_solid(grid, group, word, shapes(index)%shape)
       case default
-         call build_simple(grid, group, word, shapes(index)%shape)
+         call build_solid(grid, group, word, shapes(index)%shape)
       end select
       call group%get("scale", scale)
       call group%get("rotate", rotate)
@@ -259,7 +252,12 @@ contains
          call deck%add_error(group, "a "//word//" has no centre to rotate about; use "// &
             "rotate_about = 'origin' [D205]", key="rotate_about")
       else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
-         call keep_centre(shapes(index)%shape, scale, rotate, translate)
+         ! the displacement keeps the centre fixed during the rotation
+         call shapes(index)%shape%bounds(low, high)
+         centre = scale*(0.5_wp*(low + high))
+         turned = centre
+         call transform_point(1.0_wp, rotation_matrix(rotate), unmoved, turned)
+         translate = translate + (centre - turned)
       end if
       ! points are already at their positions
       if (allocated(shapes(index)%shape%shape) .and. .not. allocated(shapes(index)%points)) &
@@ -267,32 +265,23 @@ contains
       shapes(index)%ready = .true.
    end subroutine build
 
-   !> Add to a displacement the part that keeps the centre of a shape fixed during its rotation.
-   pure subroutine keep_centre(holder, scale, rotate, translate)
-      type(shape_holder_t), intent(in) :: holder     !! The shape as it was declared
-      real(wp), intent(in) :: scale                  !! Factor [1]
-      real(wp), intent(in) :: rotate(3)              !! Angles [deg]
-      real(wp), intent(inout) :: translate(3)        !! Displacement after the rotation [m]
-      real(wp) :: centre(3), high(3), low(3), turned(3)
-      real(wp), parameter :: unmoved(3) = 0.0_wp
-
-      call holder%bounds(low, high)
-      centre = scale*(0.5_wp*(low + high))
-      turned = centre
-      call transform_point(1.0_wp, rotation_matrix(rotate), unmoved, turned)
-      translate = translate + (centre - turned)
-   end subroutine keep_centre
-
-   !> A box, sphere or cylinder. In directions without cells a box is unbounded and the centre is at
+   !> A shape of few numbers. In directions without cells a box is unbounded and the centre is at
    !! the coordinate of the particles.
-   subroutine build_simple(grid, group, word, holder)
+   subroutine build_solid(grid, group, word, holder)
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: word           !! Kind of shape
       type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
-      real(wp) :: lo(3), hi(3), centre(3), axis(3), radius, height, length
+      real(wp) :: lo(3), hi(3), centre(3), axis(3), semi_axes(3), radius, radius2, height, length
 
+      call group%get("centre", centre)
+      call group%get("axis", axis)
+      call group%get("radius", radius)
+      call group%get("radius2", radius2)
+      call group%get("height", height)
+      where (.not. grid%active) centre = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), &
+         grid%axisymmetric)
       select case (word)
       case ("box")
          call group%get("lo", lo)
@@ -303,47 +292,20 @@ contains
             hi = length
          end where
          call holder%set(box(lo, hi))
-      case default
-         call group%get("centre", centre)
-         call group%get("radius", radius)
-         where (.not. grid%active) centre = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), &
-            grid%axisymmetric)
-         if (word == "sphere") then
-            call holder%set(sphere(centre, radius))
-         else
-            call group%get("axis", axis)
-            call group%get("height", height)
-            call holder%set(cylinder(centre, axis, radius, height))
-         end if
-      end select
-   end subroutine build_simple
-
-   !> An ellipsoid, cone, ring or half space.
-   subroutine build_solid(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! Gives the active directions
-      type(group_t), intent(in) :: group
-      character(len=*), intent(in) :: word           !! Kind of shape
-      type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
-      real(wp) :: centre(3), axis(3), semi_axes(3), radius, radius2, height
-
-      call group%get("centre", centre)
-      call group%get("axis", axis)
-      call group%get("radius", radius)
-      call group%get("radius2", radius2)
-      where (.not. grid%active) centre = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), &
-         grid%axisymmetric)
-      select case (word)
+      case ("sphere")
+         call holder%set(sphere(centre, radius))
       case ("ellipsoid")
          call group%get("semi_axes", semi_axes)
          call holder%set(ellipsoid(centre, semi_axes))
       case ("cone")
-         call group%get("height", height)
          call holder%set(cone(centre, axis, radius, radius2, height))
       case ("torus")
          call holder%set(torus(centre, axis, radius, radius2))
-      case default
+      case ("halfspace")
          call group%get("normal", axis)
          call holder%set(half_space(centre, axis))
+      case default
+         call holder%set(cylinder(centre, axis, radius, height))
       end select
    end subroutine build_solid
 

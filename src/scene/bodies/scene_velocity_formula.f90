@@ -56,7 +56,9 @@ contains
       type(body_t), allocatable :: numbered(:)
       type(formula_t) :: formula(3)
       type(error_t), allocatable :: error
-      integer :: body
+      integer :: body, n, tile(3, 1)
+      character(len=:), allocatable :: fault
+      type(store_t) :: store
 
       if (.not. any([(allocated(bodies(body)%formula), body=1, size(bodies))])) return
       allocate (numbered(size(bodies)))
@@ -67,36 +69,23 @@ contains
       do body = 1, size(bodies)
          if (.not. allocated(bodies(body)%formula)) cycle
          call compile_formula(bodies(body), formula)
-         call check_body(simulation, numbered, body, formula, keys, error)
+         ! the first tile of this rank in which a formula has no value at a particle of the body
+         if (allocated(error)) deallocate (error)
+         do n = simulation%machine%communicator%rank + 1, size(keys), &
+            simulation%machine%communicator%size
+            tile(:, 1) = hilbert_coordinate(keys(n), simulation%space%grid%dimensions)
+            store = simulation%stores(numbered(body)%store)
+            call store%remap([0], simulation%space%grid%tile_cells)
+            call fill_bodies(simulation%space%grid, numbered, tile, numbered(body)%store, store)
+            call add_to_body(simulation%space%grid, numbered(body), formula, store, fault)
+            if (.not. allocated(fault)) cycle
+            call fail(error, exit_input, "velocity_formula: "//without_code(fault)//" [D226]")
+            exit
+         end do
          call agree(simulation%machine%communicator, error)
          if (allocated(error)) call deck%add_error("body", body, error%message, "velocity_formula")
       end do
    end subroutine check_formulas
-
-   !> The first tile of this rank in which a formula has no value at a particle of a body.
-   subroutine check_body(simulation, bodies, body, formula, keys, error)
-      type(simulation_t), intent(in) :: simulation   !! The run with empty stores
-      type(body_t), intent(in) :: bodies(:)          !! The bodies with their first identities
-      integer, intent(in) :: body
-      type(formula_t), intent(in) :: formula(3)      !! Formulas of the components
-      integer(int64), intent(in) :: keys(:)          !! Tiles with particles
-      type(error_t), allocatable, intent(out) :: error !! There is one
-      character(len=:), allocatable :: fault
-      type(store_t) :: store
-      integer :: n, tile(3, 1)
-
-      do n = simulation%machine%communicator%rank + 1, size(keys), &
-         simulation%machine%communicator%size
-         tile(:, 1) = hilbert_coordinate(keys(n), simulation%space%grid%dimensions)
-         store = simulation%stores(bodies(body)%store)
-         call store%remap([0], simulation%space%grid%tile_cells)
-         call fill_bodies(simulation%space%grid, bodies, tile, bodies(body)%store, store)
-         call add_to_body(simulation%space%grid, bodies(body), formula, store, fault)
-         if (.not. allocated(fault)) cycle
-         call fail(error, exit_input, "velocity_formula: "//without_code(fault)//" [D226]")
-         return
-      end do
-   end subroutine check_body
 
    !> Make formulas of the texts of a body, which the check of the deck has accepted.
    subroutine compile_formula(body, formula)

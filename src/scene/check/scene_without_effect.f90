@@ -19,21 +19,14 @@ contains
    subroutine warn_without_effect(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation   !! Without particles
-
-      call warn_of_materials(deck)
-      call warn_of_effects(deck, simulation)
-      call warn_of_walls(deck, simulation)
-      call warn_of_loads(deck)
-   end subroutine warn_without_effect
-
-   !> Materials that no body uses.
-   subroutine warn_of_materials(deck)
-      type(deck_t), intent(inout) :: deck            !! Collects warnings
-      type(group_t) :: body
+      type(group_t) :: body, load, time
       character(len=:), allocatable :: name
       logical, allocatable :: used(:)
       integer :: n, number
+      real(wp), allocatable :: factors(:), times(:)
+      real(wp) :: finish, pressure, traction(3)
 
+      ! materials that no body uses
       allocate (used(deck%count("material")), source=.false.)
       do n = 1, deck%count("body")
          body = deck%group("body", n)
@@ -45,7 +38,29 @@ contains
          if (.not. used(n)) call deck%warn("material", n, "no body uses it; remove it, or "// &
             "use it in a &body [D445]", "name")
       end do
-   end subroutine warn_of_materials
+      call warn_of_effects(deck, simulation)
+      call warn_of_walls(deck, simulation)
+      ! loads that are 0 at all times of the run
+      time = deck%group("time", 1)
+      do n = 1, deck%count("load")
+         load = deck%group("load", n)
+         pressure = 0.0_wp
+         traction = 0.0_wp
+         if (load%given("pressure")) call load%get("pressure", pressure)
+         if (load%given("traction")) call load%get("traction", traction)
+         if (.not. any(abs([pressure, traction]) > 0.0_wp)) call deck%warn(load, "is 0; it "// &
+            "does nothing [D445]", "pressure")
+         if (.not. (load%given("factors") .and. time%given("t_end"))) cycle
+         call load%list("times", times)
+         call load%list("factors", factors)
+         call time%get("t_end", finish)
+         if (size(times) /= size(factors) .or. size(times) == 0) cycle
+         ! linear between entries, so the first one after the end of the run counts too
+         if (.not. any(abs(factors(:min(size(times), count(times < finish) + 1))) > 0.0_wp)) call &
+            deck%warn(load, "its factors are 0 until the end of the run; it does nothing [D445]", &
+            "factors")
+      end do
+   end subroutine warn_without_effect
 
    !> Effects that are on in &effects but used by no material or without anything to act on.
    subroutine warn_of_effects(deck, simulation)
@@ -128,33 +143,4 @@ contains
          outside = any(grid%active .and. (low > grid%upper .or. high < grid%lower))
       end associate
    end function is_outside
-
-   !> Loads that are 0 at all times of the run.
-   subroutine warn_of_loads(deck)
-      type(deck_t), intent(inout) :: deck            !! Collects warnings
-      type(group_t) :: load, time
-      real(wp), allocatable :: factors(:), times(:)
-      real(wp) :: finish, pressure, traction(3)
-      integer :: n
-
-      time = deck%group("time", 1)
-      do n = 1, deck%count("load")
-         load = deck%group("load", n)
-         pressure = 0.0_wp
-         traction = 0.0_wp
-         if (load%given("pressure")) call load%get("pressure", pressure)
-         if (load%given("traction")) call load%get("traction", traction)
-         if (.not. any(abs([pressure, traction]) > 0.0_wp)) call deck%warn(load, "is 0; it "// &
-            "does nothing [D445]", "pressure")
-         if (.not. (load%given("factors") .and. time%given("t_end"))) cycle
-         call load%list("times", times)
-         call load%list("factors", factors)
-         call time%get("t_end", finish)
-         if (size(times) /= size(factors) .or. size(times) == 0) cycle
-         ! linear between entries, so the first one after the end of the run counts too
-         if (.not. any(abs(factors(:min(size(times), count(times < finish) + 1))) > 0.0_wp)) call &
-            deck%warn(load, "its factors are 0 until the end of the run; it does nothing [D445]", &
-            "factors")
-      end do
-   end subroutine warn_of_loads
 end module scene_without_effect

@@ -23,7 +23,8 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read
       type(body_t), intent(in) :: bodies(:)          !! Bodies of the scene
-      integer :: n, face, refused
+      integer :: n, face, refused, material_number
+      real(wp) :: share
 
       if (.not. allocated(simulation%space%boundary%wall)) return
       do n = 1, size(simulation%space%boundary%wall)
@@ -32,40 +33,28 @@ contains
          refused = 0
          select type (condition => simulation%space%boundary%wall(n)%condition)
          type is (boundary_absorbing_t)
-            call set_dashpots(simulation, bodies, face, condition, refused)
+            ! the material beyond the boundary and the damping rate of its nodes, equations (R.6)
+            ! and (R.7) of doc/theory/rigid.md
+            share = boundary_area_per_volume(simulation%space%grid, face, &
+               simulation%scheme%method%basis%at_wall())
+            call find_beyond(simulation%space%grid, bodies, face, condition%beyond)
+            allocate (condition%decay(2, size(simulation%materials)))
+            do material_number = 1, size(simulation%materials)
+               associate (material => simulation%materials(material_number))
+                  condition%decay(1, material_number) = share*material%reference_speed()
+                  condition%decay(2, material_number) = share*sqrt(material%shear/material%density)
+               end associate
+               if (condition%decay(1, material_number) > 0.0_wp .or. &
+                  .not. any(condition%beyond == material_number)) cycle
+               refused = material_number
+               exit
+            end do
          end select
          if (refused == 0) cycle
          call refuse(deck, face, simulation%materials(refused)%name)
          return
       end do
    end subroutine read_absorbing
-
-   !> Find the material beyond an absorbing boundary and the damping rate of its nodes. Equations
-   !! (R.6) and (R.7) of doc/theory/rigid.md.
-   subroutine set_dashpots(simulation, bodies, face, absorbing, refused)
-      type(simulation_t), intent(in) :: simulation
-      type(body_t), intent(in) :: bodies(:)          !! Bodies of the scene
-      integer, intent(in) :: face                    !! 1 to 6
-      type(boundary_absorbing_t), intent(inout) :: absorbing !! Receives them
-      integer, intent(out) :: refused                !! Material without a wave speed, 0 = none
-      real(wp) :: share
-      integer :: n
-
-      refused = 0
-      share = boundary_area_per_volume(simulation%space%grid, face, &
-         simulation%scheme%method%basis%at_wall())
-      call find_beyond(simulation%space%grid, bodies, face, absorbing%beyond)
-      allocate (absorbing%decay(2, size(simulation%materials)))
-      do n = 1, size(simulation%materials)
-         associate (material => simulation%materials(n))
-            absorbing%decay(1, n) = share*material%reference_speed()
-            absorbing%decay(2, n) = share*sqrt(material%shear/material%density)
-         end associate
-         if (absorbing%decay(1, n) > 0.0_wp .or. .not. any(absorbing%beyond == n)) cycle
-         refused = n
-         return
-      end do
-   end subroutine set_dashpots
 
    !> Report a material without a wave speed, at the &boundary.
    subroutine refuse(deck, face, material)
@@ -117,68 +106,52 @@ contains
       integer, intent(in) :: face                    !! 1 to 6
       integer, allocatable, intent(out) :: beyond(:, :, :) !! (x, y, z) From 0
       integer, allocatable :: beside(:, :, :)
-      integer :: last(3), x, y, z, n
+      integer :: last(3), x, y, z, n, cell(3), point, normal
+      real(wp), allocatable :: position(:, :)
+      real(wp) :: place(3)
 
       last = merge(grid%cells, 0, grid%active)
       last(ishft(face + 1, -1)) = 0
       allocate (beyond(0:last(1), 0:last(2), 0:last(3)), source=0)
       allocate (beside(0:max(last(1) - 1, 0), 0:max(last(2) - 1, 0), 0:max(last(3) - 1, 0)), &
          source=0)
-      ! where bodies overlap, the later one counts
+      ! the cells adjacent to the boundary whose middle is in a body, or that contain a particle of
+      ! its list; where bodies overlap, the later one counts
       do n = 1, size(bodies)
-         call find_beside(grid, bodies(n), face, beside)
+         normal = ishft(face + 1, -1)
+         do z = 0, ubound(beside, 3)
+            do y = 0, ubound(beside, 2)
+               do x = 0, ubound(beside, 1)
+                  place = grid%lower + (real([x, y, z], wp) + 0.5_wp)*grid%spacing
+                  where (.not. grid%active) place = merge(0.0_wp, &
+                     0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
+                  if (mod(face, 2) == 0) place(normal) = grid%upper(normal) - 0.5_wp*grid%spacing
+                  if (bodies(n)%shape%contains(place)) beside(x, y, z) = bodies(n)%store
+               end do
+            end do
+         end do
+         if (.not. allocated(bodies(n)%given)) cycle
+         select type (points => bodies(n)%given)
+         type is (points_t)
+            position = points%positions()
+            do point = 1, size(position, 2)
+               cell = min(max(floor((position(:, point) - grid%lower)/grid%spacing), 0), &
+                  grid%cells - 1)
+               if (cell(normal) /= merge(0, grid%cells(normal) - 1, mod(face, 2) == 1)) cycle
+               cell(normal) = 0
+               beside(cell(1), cell(2), cell(3)) = bodies(n)%store
+            end do
+         end select
       end do
       do z = 0, ubound(beside, 3)
          do y = 0, ubound(beside, 2)
             do x = 0, ubound(beside, 1)
-               call set_missing(beside(x, y, z), beyond(x:min(x + 1, last(1)), &
-                  y:min(y + 1, last(2)), z:min(z + 1, last(3))))
+               associate (nodes => beyond(x:min(x + 1, last(1)), y:min(y + 1, last(2)), &
+                  z:min(z + 1, last(3))))
+                  where (nodes == 0) nodes = beside(x, y, z)
+               end associate
             end do
          end do
       end do
    end subroutine find_beyond
-
-   !> Set the numbers of the nodes of a cell that have none.
-   elemental subroutine set_missing(number, node)
-      integer, intent(in) :: number                  !! That of the cell
-      integer, intent(inout) :: node                 !! That of the node, 0 = none
-
-      if (node == 0) node = number
-   end subroutine set_missing
-
-   !> Mark the cells adjacent to a boundary whose middle is in a body, or that contain a particle of
-   !! a list.
-   subroutine find_beside(grid, body, face, beside)
-      type(grid_t), intent(in) :: grid
-      type(body_t), intent(in) :: body
-      integer, intent(in) :: face                    !! 1 to 6
-      integer, intent(inout) :: beside(0:, 0:, 0:)   !! (x, y, z) Set to the material of the body
-      real(wp), allocatable :: position(:, :)
-      integer :: cell(3), x, y, z, n, normal
-      real(wp) :: place(3)
-
-      normal = ishft(face + 1, -1)
-      do z = 0, ubound(beside, 3)
-         do y = 0, ubound(beside, 2)
-            do x = 0, ubound(beside, 1)
-               place = grid%lower + (real([x, y, z], wp) + 0.5_wp)*grid%spacing
-               where (.not. grid%active) place = merge(0.0_wp, &
-                  0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
-               if (mod(face, 2) == 0) place(normal) = grid%upper(normal) - 0.5_wp*grid%spacing
-               if (body%shape%contains(place)) beside(x, y, z) = body%store
-            end do
-         end do
-      end do
-      if (.not. allocated(body%given)) return
-      select type (points => body%given)
-      type is (points_t)
-         position = points%positions()
-         do n = 1, size(position, 2)
-            cell = min(max(floor((position(:, n) - grid%lower)/grid%spacing), 0), grid%cells - 1)
-            if (cell(normal) /= merge(0, grid%cells(normal) - 1, mod(face, 2) == 1)) cycle
-            cell(normal) = 0
-            beside(cell(1), cell(2), cell(3)) = body%store
-         end do
-      end select
-   end subroutine find_beside
 end module scene_absorbing

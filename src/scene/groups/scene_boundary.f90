@@ -2,19 +2,16 @@
 !> The group &boundary: its keys, their checks, and the boundaries of the domain, parts of them and
 !! rigid regions that follow from it. The grid needs the whole boundaries, so these are read first.
 module scene_boundary
-   use base_communicator, only: communicator_t
    use base_kinds, only: wp
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
    use io_motion, only: of_velocities
-   use mesh_boundary, only: boundary_t
+   use mesh_boundary_walls, only: face_names
    use mesh_boundary_catalogue, only: boundary_names, choose_boundary
    use mesh_boundary_condition, only: boundary_condition_t, normal_direction
-   use mesh_boundary_walls, only: face_names
-   use mesh_motion, only: motion_t
    use mesh_rigid, only: rigid_t
    use mesh_wall, only: wall_t
-   use scene_dimension, only: axis_names, check_plane, read_dimension
+   use scene_dimension, only: check_plane
    use scene_motion_table, only: read_motion_table
    use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
@@ -125,11 +122,34 @@ contains
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
       class(boundary_condition_t), allocatable, intent(in) :: condition !! Its type, if it is known
-      real(wp) :: begin, end
+      real(wp) :: begin, end, velocity(3)
+      character(len=:), allocatable :: fitting
+      logical :: part, suits
 
       if (.not. (boundary%given("face") .or. boundary%given("region"))) call deck%add_error( &
          boundary, "face or region must be given (a face of the grid, or a rigid region) [D326]")
-      if (allocated(condition)) call check_type(deck, boundary, condition)
+      ! the type must allow region, motion and temperature
+      if (allocated(condition)) then
+         part = boundary%given("face")
+         suits = condition%suits_region()
+         if (part) suits = condition%suits_part()
+         fitting = fitting_types(part)
+         if (boundary%given("region") .and. .not. suits) call deck%add_error(boundary, &
+            "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting//" [D328]", &
+            "type")
+         if (part .and. .not. condition%moves()) then
+            ! an echo of the deck contains the default, a velocity of zero
+            velocity = 0.0_wp
+            if (boundary%given("velocity")) call boundary%get("velocity", velocity)
+            if (any(abs(velocity) > 0.0_wp)) call deck%add_error(boundary, &
+               "a face moves only with "// &
+               "type = 'velocity'; remove velocity, or use a region [D329]", "velocity")
+            if (boundary%given("table")) call deck%add_error(boundary, "a face moves only with "// &
+               "type = 'velocity'; remove table, or use a region [D329]", "table")
+         end if
+         if (boundary%given("temperature") .and. condition%joins_opposite() .and. &
+            .not. boundary%given("region")) call refuse_temperature(deck, boundary)
+      end if
       if (boundary%given("temperature") .and. boundary%given("region")) call &
          refuse_temperature(deck, boundary)
       if (boundary%known("t_off") .and. boundary%known("t_on")) then
@@ -139,34 +159,6 @@ contains
             "t_off")
       end if
    end subroutine check_wall
-
-   !> Check that the type of a boundary allows its region, motion and temperature.
-   subroutine check_type(deck, boundary, condition)
-      type(deck_t), intent(inout) :: deck
-      type(group_t), intent(in) :: boundary              !! One boundary
-      class(boundary_condition_t), intent(in) :: condition !! Condition by its type
-      character(len=:), allocatable :: fitting
-      real(wp) :: velocity(3)
-      logical :: part, suits
-
-      part = boundary%given("face")
-      suits = condition%suits_region()
-      if (part) suits = condition%suits_part()
-      fitting = fitting_types(part)
-      if (boundary%given("region") .and. .not. suits) call deck%add_error(boundary, &
-         "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting//" [D328]", "type")
-      if (part .and. .not. condition%moves()) then
-         ! an echo of the deck contains the default, a velocity of zero
-         velocity = 0.0_wp
-         if (boundary%given("velocity")) call boundary%get("velocity", velocity)
-         if (any(abs(velocity) > 0.0_wp)) call deck%add_error(boundary, "a face moves only with "&
-            //"type = 'velocity'; remove velocity, or use a region [D329]", "velocity")
-         if (boundary%given("table")) call deck%add_error(boundary, "a face moves only with "// &
-            "type = 'velocity'; remove table, or use a region [D329]", "table")
-      end if
-      if (boundary%given("temperature") .and. condition%joins_opposite() .and. &
-         .not. boundary%given("region")) call refuse_temperature(deck, boundary)
-   end subroutine check_type
 
    !> Only whole boundaries that are not periodic have a temperature.
    subroutine refuse_temperature(deck, boundary)
@@ -255,11 +247,30 @@ contains
    subroutine read_boundaries(deck, simulation)
       type(deck_t), intent(in) :: deck
       type(simulation_t), intent(inout) :: simulation
-      integer :: face, k
+      integer :: face, k, index, n
+      logical :: is_axis
+      character(len=:), allocatable :: kind
+      type(group_t) :: group
 
       associate (boundary => simulation%space%boundary, grid => simulation%space%grid)
          do face = 1, 6
-            call read_boundary(deck, face, grid%axisymmetric .and. face == 1, boundary)
+            ! a boundary without a &boundary is open; the axis of symmetry mirrors
+            is_axis = grid%axisymmetric .and. face == 1
+            if (is_axis) call boundary%impose("symmetry", [face])
+            index = group_of(deck, face)
+            if (index == 0) cycle
+            group = deck%group("boundary", index)
+            boundary%warm(face) = group%given("temperature")
+            if (boundary%warm(face)) call group%get("temperature", boundary%temperature(face))
+            if (is_axis) cycle
+            call group%get("type", kind)
+            call boundary%impose(kind, [face])
+            n = boundary%whole(face)
+            associate (wall => boundary%wall(n))
+               call wall%condition%read(group)
+               call group%get("velocity", wall%motion%steady)
+               wall%condition%velocity = wall%motion%steady
+            end associate
          end do
          grid%wall = [(boundary%acts_on(face), face=1, 6)]
          do k = 1, 3
@@ -267,33 +278,6 @@ contains
          end do
       end associate
    end subroutine read_boundaries
-
-   !> Read one whole boundary; open without a &boundary.
-   subroutine read_boundary(deck, face, is_axis, boundary)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: face                    !! 1 to 6
-      logical, intent(in) :: is_axis                 !! The axis of symmetry mirrors
-      type(boundary_t), intent(inout) :: boundary    !! Gets the condition
-      character(len=:), allocatable :: kind
-      type(group_t) :: group
-      integer :: index, n
-
-      if (is_axis) call boundary%impose("symmetry", [face])
-      index = group_of(deck, face)
-      if (index == 0) return
-      group = deck%group("boundary", index)
-      boundary%warm(face) = group%given("temperature")
-      if (boundary%warm(face)) call group%get("temperature", boundary%temperature(face))
-      if (is_axis) return
-      call group%get("type", kind)
-      call boundary%impose(kind, [face])
-      n = boundary%whole(face)
-      associate (wall => boundary%wall(n))
-         call wall%condition%read(group)
-         call group%get("velocity", wall%motion%steady)
-         wall%condition%velocity = wall%motion%steady
-      end associate
-   end subroutine read_boundary
 
    !> Index of the &boundary of a whole boundary, 0 = none: one that names it, or else one for all.
    integer function group_of(deck, face) result(found)
@@ -325,7 +309,8 @@ contains
       type(wall_t) :: wall
       type(group_t) :: group
       logical :: switched
-      integer :: index
+      integer :: index, face
+      character(len=:), allocatable :: name
 
       allocate (rigid%wall(0))
       do index = 1, deck%count("boundary")
@@ -334,9 +319,27 @@ contains
             .or. group%given("t_off"))) cycle
          call read_wall(deck, simulation, shapes, group, wall)
          if (group%given("region")) then
-            call add_region(group, wall, simulation, rigid)
+            ! a rigid region, or parts of boundaries; a region with an error has been reported
+            if (.not. allocated(wall%region)) cycle
+            call group%get("face", name)
+            if (name == "") call rigid%add(wall)
+            do face = 1, 6
+               if (name /= face_names(face) .and. name /= "all") cycle
+               if (.not. simulation%space%grid%active(normal_direction(face))) cycle
+               wall%face = face
+               call simulation%space%boundary%insert(wall)
+               if (wall%condition%acts_on_nodes()) simulation%space%grid%wall(face) = .true.
+            end do
          else
-            call set_motion(deck, index, wall%motion, simulation)
+            ! motion of whole boundaries
+            associate (boundary => simulation%space%boundary, grid => simulation%space%grid)
+               do face = 1, 6
+                  if (.not. grid%active(normal_direction(face))) cycle
+                  if (group_of(deck, face) /= index) cycle
+                  if (face == 1 .and. grid%axisymmetric) cycle
+                  boundary%wall(boundary%whole(face))%motion = wall%motion
+               end do
+            end associate
          end if
       end do
       if (allocated(simulation%space%boundary%wall)) &
@@ -359,7 +362,12 @@ contains
       call group%get("type", kind)
       call choose_boundary(kind, wall%condition)
       call wall%condition%read(group)
-      call read_times(deck, simulation%machine%communicator, group, wall%motion)
+      ! its motion, and the time interval in which it acts
+      call group%get("velocity", wall%motion%steady)
+      call group%get("t_on", wall%motion%begin)
+      if (group%given("t_off")) call group%get("t_off", wall%motion%end)
+      if (group%given("table")) call read_motion_table(deck, simulation%machine%communicator, &
+         group, "table", of_velocities, "m/s", wall%motion)
       where (.not. simulation%space%grid%active) wall%motion%steady = 0.0_wp
       if (allocated(wall%motion%speed)) then
          do index = 1, 3
@@ -375,57 +383,4 @@ contains
          allocate (wall%region, source=shapes(index)%shape%shape)
       end do
    end subroutine read_wall
-
-   !> Add a wall with a region: a rigid region, or parts of boundaries.
-   subroutine add_region(group, wall, simulation, rigid)
-      type(group_t), intent(in) :: group             !! The &boundary
-      type(wall_t), intent(inout) :: wall            !! Its boundary is set
-      type(simulation_t), intent(inout) :: simulation
-      type(rigid_t), intent(inout) :: rigid          !! Rigid regions
-      character(len=:), allocatable :: name
-      integer :: face
-
-      ! a region with an error has been reported
-      if (.not. allocated(wall%region)) return
-      call group%get("face", name)
-      if (name == "") call rigid%add(wall)
-      do face = 1, 6
-         if (name /= face_names(face) .and. name /= "all") cycle
-         if (.not. simulation%space%grid%active(normal_direction(face))) cycle
-         wall%face = face
-         call simulation%space%boundary%insert(wall)
-         if (wall%condition%acts_on_nodes()) simulation%space%grid%wall(face) = .true.
-      end do
-   end subroutine add_region
-
-   !> Set the motion of whole boundaries, and the time interval in which they act.
-   subroutine set_motion(deck, index, motion, simulation)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: index                   !! Number of the &boundary
-      type(motion_t), intent(in) :: motion           !! Motion of the wall
-      type(simulation_t), intent(inout) :: simulation
-      integer :: face
-
-      associate (boundary => simulation%space%boundary, grid => simulation%space%grid)
-         do face = 1, 6
-            if (.not. grid%active(normal_direction(face)) .or. group_of(deck, face) /= index) cycle
-            if (face == 1 .and. grid%axisymmetric) cycle
-            boundary%wall(boundary%whole(face))%motion = motion
-         end do
-      end associate
-   end subroutine set_motion
-
-   !> Motion of a wall, and the time interval in which it acts. Collective.
-   subroutine read_times(deck, communicator, group, motion)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(communicator_t), intent(in) :: communicator !! The first rank reads
-      type(group_t), intent(in) :: group             !! The &boundary
-      type(motion_t), intent(inout) :: motion        !! Receives them
-
-      call group%get("velocity", motion%steady)
-      call group%get("t_on", motion%begin)
-      if (group%given("t_off")) call group%get("t_off", motion%end)
-      if (.not. group%given("table")) return
-      call read_motion_table(deck, communicator, group, "table", of_velocities, "m/s", motion)
-   end subroutine read_times
 end module scene_boundary

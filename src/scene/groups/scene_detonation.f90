@@ -49,6 +49,7 @@ contains
       type(detonator_t) :: detonator
       type(group_t) :: group
       integer :: index
+      character(len=:), allocatable :: word
 
       call warn_of_materials(deck, simulation)
       do index = 1, size(simulation%materials)
@@ -60,7 +61,27 @@ contains
       end do
       do index = 1, deck%count("detonation")
          group = deck%group("detonation", index)
-         call read_detonator(deck, group, simulation%space%grid, detonator)
+         ! inactive directions are 0
+         detonator = detonator_t()
+         call group%get("shape", word)
+         call group%get("point", detonator%point)
+         call group%get("time", detonator%time)
+         if (group%given("speed")) call group%get("speed", detonator%speed)
+         select case (word)
+         case ("line")
+            detonator%shape = detonator_line
+            call group%get("point2", detonator%other)
+         case ("plane")
+            detonator%shape = detonator_plane
+            call group%get("normal", detonator%other)
+         case default
+            detonator%shape = detonator_point
+         end select
+         detonator%point = merge(detonator%point, 0.0_wp, simulation%space%grid%active)
+         detonator%other = merge(detonator%other, 0.0_wp, simulation%space%grid%active)
+         if (detonator%shape == detonator_plane .and. group%known("normal") .and. .not. &
+            any(abs(detonator%other) > 0.0_wp)) call deck%add_error(group, &
+            "a plane needs a normal along the directions of the scene [D320]", "normal")
          if (.not. deck%sound("detonation", index)) cycle
          call ignite_explosives(deck, group, detonator, simulation, bodies)
       end do
@@ -73,10 +94,10 @@ contains
       type(simulation_t), intent(in) :: simulation
       real(wp), parameter :: most = 0.03_wp
       type(group_t) :: group
-      character(len=:), allocatable :: word
+      character(len=:), allocatable :: word, name
       class(eos_t), allocatable :: eos
       real(wp) :: least, speed
-      integer :: n
+      integer :: n, material
 
       do n = 1, deck%count("material")
          group = deck%group("material", n)
@@ -89,60 +110,21 @@ contains
             "&detonation with the point where it starts [D320]", "eos_model")
          if (.not. group%given("detonation_speed")) cycle
          call group%get("detonation_speed", speed)
-         least = least_speed(simulation, group)
+         ! speed of the Chapman-Jouguet state of the constants
+         call group%get("name", name)
+         call group%get("detonation_speed", least)
+         do material = 1, size(simulation%materials)
+            if (simulation%materials(material)%name /= name) cycle
+            if (allocated(simulation%materials(material)%eos)) least = &
+               simulation%materials(material)%eos%chapman_jouguet_speed()
+            exit
+         end do
          if (abs(speed - least) > most*least) call deck%warn(group, "detonation_speed = "// &
             brief(speed)//" m/s, but the constants jwl_* give a detonation speed "// &
             "of "//brief(least)// &
             " m/s; one of the constants belongs to another explosive [D320]", "detonation_speed")
       end do
    end subroutine warn_of_materials
-
-   !> Speed of the Chapman-Jouguet state of the constants of a material [m/s].
-   function least_speed(simulation, group) result(speed)
-      type(simulation_t), intent(in) :: simulation
-      type(group_t), intent(in) :: group             !! Group &material
-      character(len=:), allocatable :: name
-      real(wp) :: speed
-      integer :: n
-
-      call group%get("name", name)
-      call group%get("detonation_speed", speed)
-      do n = 1, size(simulation%materials)
-         if (simulation%materials(n)%name /= name) cycle
-         if (allocated(simulation%materials(n)%eos)) &
-            speed = simulation%materials(n)%eos%chapman_jouguet_speed()
-         return
-      end do
-   end function least_speed
-
-   !> One detonation. Inactive directions are 0.
-   subroutine read_detonator(deck, group, grid, detonator)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(group_t), intent(in) :: group             !! The &detonation
-      type(grid_t), intent(in) :: grid
-      type(detonator_t), intent(out) :: detonator    !! Detonator; its speed is 0 if none is given
-      character(len=:), allocatable :: word
-
-      call group%get("shape", word)
-      call group%get("point", detonator%point)
-      call group%get("time", detonator%time)
-      if (group%given("speed")) call group%get("speed", detonator%speed)
-      select case (word)
-      case ("line")
-         detonator%shape = detonator_line
-         call group%get("point2", detonator%other)
-      case ("plane")
-         detonator%shape = detonator_plane
-         call group%get("normal", detonator%other)
-      case default
-         detonator%shape = detonator_point
-      end select
-      detonator%point = merge(detonator%point, 0.0_wp, grid%active)
-      detonator%other = merge(detonator%other, 0.0_wp, grid%active)
-      if (detonator%shape == detonator_plane .and. group%known("normal") .and. .not. &
-         any(abs(detonator%other) > 0.0_wp)) call deck%add_error(group, &
-         "a plane needs a normal along the directions of the scene [D320]", "normal")
-   end subroutine read_detonator
 
    !> Add a detonation to the explosives that it ignites.
    subroutine ignite_explosives(deck, group, detonator, simulation, bodies)

@@ -59,22 +59,13 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       type(group_t) :: group
-
-      group = deck%group("effects", 1)
-      call group%get("erosion", simulation%scheme%erosion)
-      call group%get("damping", simulation%effects%damping)
-      call read_gravity(deck, simulation)
-   end subroutine read_effects
-
-   !> Read gravity, if it acts. Collective.
-   subroutine read_gravity(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Gets the effect; its grid is read
-      type(group_t) :: group
       logical :: acts
       integer :: k
 
       group = deck%group("effects", 1)
+      call group%get("erosion", simulation%scheme%erosion)
+      call group%get("damping", simulation%effects%damping)
+      ! gravity, if it acts
       call group%get("gravity", acts)
       if (.not. acts) return
       allocate (simulation%effects%gravity(3))
@@ -94,7 +85,7 @@ contains
             ", as the scene does not have this direction [D361]", "gravity_table")
       end do
       call update_gravity(simulation%effects, simulation%clock)
-   end subroutine read_gravity
+   end subroutine read_effects
 
    !> The effects that are on, then the models of each material, all with their reasons. Their costs
    !! are in doc/reference/effects.md; the fields that they add are listed with their bytes

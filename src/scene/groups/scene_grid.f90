@@ -43,7 +43,7 @@ contains
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: dimension
       type(group_t) :: grid
-      real(wp) :: lo(3), hi(3)
+      real(wp) :: lo(3), hi(3), cells, dx
       logical :: active(3), needed(3)
       integer :: k, edge
 
@@ -76,37 +76,26 @@ contains
       else if (.not. grid%given("dx")) then
          call deck%add_error(grid, "dx or cells must be given [D401]")
       else if (grid%known("dx")) then
-         call check_spacing(deck, grid, lo, hi, active)
+         ! an integer number of cells along each edge
+         call grid%get("dx", dx)
+         do k = 1, 3
+            if (.not. active(k)) cycle
+            cells = (hi(k) - lo(k))/dx
+            if (cells > most_cells) then
+               call deck%add_error(grid, "(hi-lo)/dx = "//brief(cells)//" in "//axis_names(k)// &
+                  " is more than a million cells [D405]", "dx")
+               return
+            end if
+            if (abs(cells - anint(cells)) <= tolerance*max(cells, 1.0_wp) .and. &
+               cells > 0.5_wp) cycle
+            call deck%add_error(grid, "(hi-lo)/dx = "//brief(cells)//" is not an integer in "// &
+               axis_names(k)// &
+               "; nearest: hi = "//deck%shown(lo(k) + max(anint(cells), 1.0_wp)*dx, "m")// &
+               " or dx = "// &
+               deck%shown((hi(k) - lo(k))/max(anint(cells), 1.0_wp), "m")//" [D404]", "dx")
+         end do
       end if
    end subroutine check_grid
-
-   !> Check that the grid has an integer number of cells along each edge.
-   subroutine check_spacing(deck, grid, lo, hi, active)
-      type(deck_t), intent(inout) :: deck
-      type(group_t), intent(in) :: grid
-      real(wp), intent(in) :: lo(3)                      !! Lower corner [m]
-      real(wp), intent(in) :: hi(3)                      !! Upper corner [m]
-      logical, intent(in) :: active(3)                   !! The scene has this direction
-      real(wp) :: cells, dx
-      integer :: k
-
-      call grid%get("dx", dx)
-      do k = 1, 3
-         if (.not. active(k)) cycle
-         cells = (hi(k) - lo(k))/dx
-         if (cells > most_cells) then
-            call deck%add_error(grid, "(hi-lo)/dx = "//brief(cells)//" in "//axis_names(k)// &
-               " is more than a million cells [D405]", "dx")
-            return
-         end if
-         if (abs(cells - anint(cells)) <= tolerance*max(cells, 1.0_wp) .and. cells > 0.5_wp) cycle
-         call deck%add_error(grid, "(hi-lo)/dx = "//brief(cells)//" is not an integer in "// &
-            axis_names(k)// &
-            "; nearest: hi = "//deck%shown(lo(k) + max(anint(cells), 1.0_wp)*dx, "m")// &
-            " or dx = "// &
-            deck%shown((hi(k) - lo(k))/max(anint(cells), 1.0_wp), "m")//" [D404]", "dx")
-      end do
-   end subroutine check_spacing
 
    !> Check that cells given by their number are cubes.
    subroutine check_cells(deck, grid, lo, hi, active)

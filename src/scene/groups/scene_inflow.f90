@@ -87,6 +87,7 @@ contains
       type(body_t), intent(in) :: bodies(:)
       logical, intent(inout) :: taken(:)             !! (body) Has the body an inflow?
       type(inflow_t), intent(out) :: inflow
+      character(len=:), allocatable :: what
 
       if (.not. group%valid([character(len=9) :: "body", "velocity", "mass_rate", "t_off"])) return
       call group%get("body", inflow%name)
@@ -96,7 +97,20 @@ contains
       if (taken(inflow%body)) call deck%add_error(group, "'"//inflow%name//"' has another "// &
          "&inflow; give each its own body [D444]", "body")
       taken(inflow%body) = .true.
-      call refuse_body(deck, group, simulation, bodies(inflow%body))
+      ! bodies with a nonuniform initial state or with motion relative to the flow are refused:
+      ! their copies would not join without a jump
+      associate (body => bodies(inflow%body))
+         what = ""
+         if (allocated(body%formula)) what = "velocity_formula"
+         if (any(abs(body%spin) > 0.0_wp)) what = "spin"
+         if (allocated(body%given)) what = "fill = 'poisson', or a region of points"
+         if (body%lateral >= 0.0_wp) what = "an initial stress by weight"
+         if (allocated(simulation%materials(body%store)%burn)) what = "an explosive"
+         if (norm2(body%velocity) > 0.0_wp) what = "velocity, which is that of its &inflow"
+         if (what /= "") call deck%add_error(group, "the body of an inflow cannot be combined "// &
+            "with "//what// &
+            "; remove it from '"//body%name//"' [D444]", "body")
+      end associate
       call check_plane(deck, group, "velocity")
       call group%get("velocity", inflow%motion%steady)
       if (group%given("t_off")) call group%get("t_off", inflow%motion%end)
@@ -109,27 +123,6 @@ contains
       end if
       if (deck%sound("inflow")) call find_axis(deck, group, simulation%space%grid, inflow)
    end subroutine read_one
-
-   !> Refuse bodies with a nonuniform initial state or with motion relative to the flow: their
-   !! copies would not join without a jump.
-   subroutine refuse_body(deck, group, simulation, body)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(group_t), intent(in) :: group             !! The &inflow
-      type(simulation_t), intent(in) :: simulation
-      type(body_t), intent(in) :: body
-      character(len=:), allocatable :: what
-
-      what = ""
-      if (allocated(body%formula)) what = "velocity_formula"
-      if (any(abs(body%spin) > 0.0_wp)) what = "spin"
-      if (allocated(body%given)) what = "fill = 'poisson', or a region of points"
-      if (body%lateral >= 0.0_wp) what = "an initial stress by weight"
-      if (allocated(simulation%materials(body%store)%burn)) what = "an explosive"
-      if (norm2(body%velocity) > 0.0_wp) what = "velocity, which is that of its &inflow"
-      if (what /= "") call deck%add_error(group, "the body of an inflow cannot be combined "// &
-         "with "//what// &
-         "; remove it from '"//body%name//"' [D444]", "body")
-   end subroutine refuse_body
 
    !> The direction of the flow; all entries of the table must have it.
    subroutine find_axis(deck, group, grid, inflow)
@@ -208,8 +201,9 @@ contains
       type(body_t), intent(inout) :: bodies(:)       !! Get their identities, and these speeds
       integer(int64), intent(in) :: keys(:)          !! Tiles that this rank has counted
       integer(int64) :: next
-      real(wp) :: mass
+      real(wp) :: mass, finish
       integer :: n
+      type(group_t) :: time
 
       if (.not. allocated(simulation%effects%inflows)) return
       call number_bodies(simulation%space%grid, bodies, next)
@@ -226,31 +220,20 @@ contains
                bodies(inflow%body)%velocity = inflow%motion%steady
                simulation%space%rigid%wall(inflow%wall)%motion = inflow%motion
             end if
-            if (inflow%length > 0.0_wp) call check_identities(deck, deck%group("inflow", n), &
-               simulation, inflow)
+            ! splitting uses a part of each identity, so the identities of all copies must leave
+            ! these bits free
+            if (.not. inflow%length > 0.0_wp) cycle
+            if (.not. allocated(simulation%scheme%method%splitting)) cycle
+            time = deck%group("time", 1)
+            call time%get("t_end", finish)
+            if ((inflow%travel(finish)/inflow%length + 2.0_wp)*real(inflow%identities, wp) < &
+               2.0_wp**root_bits) cycle
+            call deck%add_error(deck%group("inflow", n), "more particles would enter until "// &
+               "t_end than split = .true. can number; write split = .false. in &method, a "// &
+               "longer body, or a grid of fewer cells [D447]", "velocity")
          end associate
       end do
    end subroutine start_inflows
-
-   !> Splitting uses a part of each identity, so the identities of all copies must leave these bits
-   !! free.
-   subroutine check_identities(deck, group, simulation, inflow)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(group_t), intent(in) :: group             !! The &inflow
-      type(simulation_t), intent(in) :: simulation
-      type(inflow_t), intent(in) :: inflow           !! With its length
-      type(group_t) :: time
-      real(wp) :: finish
-
-      if (.not. allocated(simulation%scheme%method%splitting)) return
-      time = deck%group("time", 1)
-      call time%get("t_end", finish)
-      if ((inflow%travel(finish)/inflow%length + 2.0_wp)*real(inflow%identities, wp) < &
-         2.0_wp**root_bits) return
-      call deck%add_error(group, "more particles would enter until t_end than split = .true. "// &
-         "can number; write split = .false. in &method, a longer body, or a grid of fewer "// &
-         "cells [D447]", "velocity")
-   end subroutine check_identities
 
    !> The particles of a body in the tiles of this rank.
    subroutine make_pattern(simulation, bodies, keys, inflow)

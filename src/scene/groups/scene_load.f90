@@ -82,6 +82,8 @@ contains
       character(len=:), allocatable :: region
       logical :: follow
       integer :: n, place
+      real(wp), parameter :: resolution = 1.0e6_wp
+      integer(int64) :: way(7)
 
       call group%get("name", load%name)
       call read_stress(deck, group, load%stress)
@@ -106,24 +108,14 @@ contains
             if (place > 0) load%bodies = [load%bodies, int(place, int64)]
          end do
       end if
-      call set_keys(region, load)
-   end subroutine read_one
-
-   !> Set the keys by which a restart finds the load in a checkpoint.
-   pure subroutine set_keys(region, load)
-      character(len=*), intent(in) :: region         !! Its name
-      type(surface_load_t), intent(inout) :: load
-      real(wp), parameter :: resolution = 1.0e6_wp
-      integer(int64) :: way(7)
-      integer :: n
-
+      ! the keys by which a restart finds the load in a checkpoint
       load%region_key = hash_text(region)
       way = 0
       if (norm2(load%stress) > 0.0_wp) way(:6) = nint(resolution*load%stress/norm2(load%stress), &
          int64)
       if (allocated(load%bodies)) way(7) = sum(2_int64**mod(load%bodies, 60_int64))
       load%surface_key = hash_integers(load%region_key, [(int(n, int64), n=1, size(way))], way)
-   end subroutine set_keys
+   end subroutine read_one
 
    !> Set the functions of the loads that follow the material, and find which loads act on closed
    !! surfaces: at the start, or at a restart for those that the checkpoint does not have.

@@ -6,7 +6,6 @@ module scene_burn_times
    use material_burn, only: never_burns
    use material_burn_paths, only: detonation_paths_t
    use material_burn_sight, only: cell_empty, cell_explosive, cell_other, sight_map_t
-   use particle_store, only: store_t
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -47,13 +46,18 @@ contains
       type(sight_map_t), intent(out) :: map
       integer(int64), allocatable :: content(:)
       real(wp) :: bounds(6)
-      integer :: index, tile, k, n
+      integer :: index, tile, k, n, p, place(3)
 
       bounds = -huge(1.0_wp)
       do index = 1, size(simulation%stores)
          if (.not. allocated(simulation%materials(index)%burn)) cycle
          do tile = 1, size(simulation%stores(index)%count)
-            call widen(simulation%stores(index), tile, bounds)
+            ! the box around all particles of explosives
+            associate (store => simulation%stores(index))
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  bounds = max(bounds, [-store%position(p, :), store%position(p, :)])
+               end do
+            end associate
          end do
       end do
       call simulation%machine%communicator%maxima(bounds)
@@ -72,45 +76,22 @@ contains
       content = cell_empty
       do index = 1, size(simulation%stores)
          do tile = 1, size(simulation%stores(index)%count)
-            call mark(simulation%stores(index), tile, map, merge(cell_explosive, cell_other, &
-               allocated(simulation%materials(index)%burn)), content)
+            ! explosive takes precedence over inert material
+            associate (store => simulation%stores(index))
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  place = map%cell_of([store%position(p, 1), store%position(p, 2), &
+                     store%position(p, 3)])
+                  if (any(place < 0 .or. place >= map%cells)) cycle
+                  n = place(1) + map%cells(1)*(place(2) + map%cells(2)*place(3))
+                  content(n) = min(content(n), merge(cell_explosive, cell_other, &
+                     allocated(simulation%materials(index)%burn)))
+               end do
+            end associate
          end do
       end do
       call simulation%machine%communicator%least(content)
       call map%start(content)
    end subroutine draw_map
-
-   !> Widen a box by the particles of a tile.
-   pure subroutine widen(store, tile, bounds)
-      type(store_t), intent(in) :: store
-      integer, intent(in) :: tile                    !! Index
-      real(wp), intent(inout) :: bounds(6)           !! Lower corner times -1, upper corner [m]
-      integer :: p, k
-
-      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         do k = 1, 3
-            bounds(k) = max(bounds(k), -store%position(p, k))
-            bounds(3 + k) = max(bounds(3 + k), store%position(p, k))
-         end do
-      end do
-   end subroutine widen
-
-   !> Mark the cells of the particles of a tile; explosive takes precedence over inert material.
-   pure subroutine mark(store, tile, map, kind, content)
-      type(store_t), intent(in) :: store
-      integer, intent(in) :: tile                    !! Index
-      type(sight_map_t), intent(in) :: map
-      integer(int64), intent(in) :: kind             !! Shape data of the particles
-      integer(int64), intent(inout) :: content(0:)   !! (cell) Content
-      integer :: place(3), p, n
-
-      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         place = map%cell_of([store%position(p, 1), store%position(p, 2), store%position(p, 3)])
-         if (any(place < 0 .or. place >= map%cells)) cycle
-         n = place(1) + map%cells(1)*(place(2) + map%cells(2)*place(3))
-         content(n) = min(content(n), kind)
-      end do
-   end subroutine mark
 
    !> Burn times of the particles of one store: along straight lines of sight to the first
    !! detonator, and around obstacles elsewhere.

@@ -22,8 +22,9 @@ contains
    subroutine place_exact(simulation, error)
       type(simulation_t), intent(inout) :: simulation !! The run, particles on their lattice
       type(error_t), allocatable, intent(out) :: error !! Some particle would be outside of the box
-      integer :: index, tile
+      integer :: index, tile, p
       logical :: outside
+      real(wp) :: point(3), position(3), velocity(3)
 
       if (.not. allocated(simulation%effects%exact)) return
       outside = .false.
@@ -32,7 +33,14 @@ contains
             simulation%effects%exact%material(index))
             if (.not. allocated(holder%solution)) cycle
             do tile = 1, simulation%space%tiles%own
-               call move_tile(holder%solution, store, tile)
+               ! the lattice remains as reference
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  point = store%position(p, :)
+                  call holder%solution%place(point, 0.0_wp, position, velocity)
+                  store%origin%reference(p, :) = point
+                  store%position(p, :) = position
+                  store%velocity(p, :) = velocity
+               end do
                call place_tile(simulation%space%grid, simulation%space%boundary, &
                   simulation%space%tiles%coordinate(:, tile), store, tile)
                outside = outside .or. any(store%home(store%first(tile):store%first(tile) &
@@ -47,23 +55,6 @@ contains
       end if
       call sort_particles(simulation)
    end subroutine place_exact
-
-   !> Keep the lattice as reference and place the particles of a tile.
-   subroutine move_tile(solution, store, tile)
-      class(exact_t), intent(in) :: solution
-      type(store_t), intent(inout) :: store
-      integer, intent(in) :: tile
-      real(wp) :: point(3), position(3), velocity(3)
-      integer :: p
-
-      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         point = store%position(p, :)
-         call solution%place(point, 0.0_wp, position, velocity)
-         store%origin%reference(p, :) = point
-         store%position(p, :) = position
-         store%velocity(p, :) = velocity
-      end do
-   end subroutine move_tile
 
    !> Give the particles volume and stress of the solution.
    subroutine strain_exact(simulation)

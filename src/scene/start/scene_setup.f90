@@ -47,21 +47,19 @@ contains
       call read_materials(deck, simulation)
       call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
          all_gases(simulation%materials), any_gas(simulation%materials))
-      call limit_viscosity(simulation)
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then
-         call check_volumes(deck, simulation)
-         call check_heat_flux(deck, simulation)
+         call check_method(deck, simulation)
       end if
       call read_boundaries(deck, simulation)
       simulation%space%grid%margin = simulation%scheme%method%margin()
       simulation%space%grid%reaches = merge(2, 1, simulation%scheme%method%dual)
       call simulation%space%grid%start(tile_edge(deck))
-      call set_slices(simulation)
+      call finish_materials(simulation)
       call check_periodic(deck, simulation%space%grid)
       call read_effects(deck, simulation)
       call read_cell(deck, simulation)
@@ -94,17 +92,6 @@ contains
       call warn_without_effect(deck, simulation)
    end subroutine set_up_scene
 
-   !> Limit the artificial viscosity of all materials to jumps, if the method requests it.
-   pure subroutine limit_viscosity(simulation)
-      type(simulation_t), intent(inout) :: simulation !! Materials and method are read
-      integer :: n
-
-      do n = 1, size(simulation%materials)
-         if (allocated(simulation%materials(n)%viscosity)) &
-            simulation%materials(n)%viscosity%limited = simulation%scheme%method%limited
-      end do
-   end subroutine limit_viscosity
-
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
       type(deck_t), intent(in) :: deck
@@ -119,32 +106,25 @@ contains
       end do
    end function is_sound
 
-   !> The fill of nodes, which corrects volumes, is found with the dual gradient.
-   subroutine check_volumes(deck, simulation)
+   !> What the method needs of the materials: internal energy for an artificial heat flux, and the
+   !! dual gradient for the fill of nodes, which corrects volumes.
+   subroutine check_method(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
-      if (simulation%scheme%method%dual) return
       do n = 1, size(simulation%materials)
+         if (simulation%scheme%method%dual) exit
          if (simulation%materials(n)%repacks) call deck%add_error("material", n, &
             "volume_from = 'grid' needs method = 'ddmp' in &run; remove it [D316]", "volume_from")
       end do
-   end subroutine check_volumes
-
-   !> Check that an artificial heat flux finds a material with internal energy.
-   subroutine check_heat_flux(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
-      integer :: n
-
       if (.not. simulation%scheme%method%heat_flux > 0.0_wp) return
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%carries_energy()) return
       end do
       call deck%add_error(deck%group("method", 1), "no material has an internal energy; "// &
          "remove heat_flux [D318]", "heat_flux")
-   end subroutine check_heat_flux
+   end subroutine check_method
 
    !> The materials.
    subroutine read_materials(deck, simulation)
@@ -160,20 +140,22 @@ contains
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
-   !> Set the extent of particles in the directions that are not computed, for the damage models.
-   subroutine set_slices(simulation)
+   !> What materials need of method and grid: the limit of the artificial viscosity to jumps, and,
+   !! for the damage models, the extent of particles in the directions that are not computed.
+   pure subroutine finish_materials(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer :: index
 
-      associate (grid => simulation%space%grid)
-         if (grid%axisymmetric) return
-         do index = 1, size(simulation%materials)
-            if (.not. allocated(simulation%materials(index)%damage)) cycle
-            simulation%materials(index)%damage%slice%depth = grid%depth
-            simulation%materials(index)%damage%slice%exponent = 3.0_wp/real(grid%dimensions, wp)
-         end do
-      end associate
-   end subroutine set_slices
+      do index = 1, size(simulation%materials)
+         associate (material => simulation%materials(index), grid => simulation%space%grid)
+            if (allocated(material%viscosity)) material%viscosity%limited = &
+               simulation%scheme%method%limited
+            if (grid%axisymmetric .or. .not. allocated(material%damage)) cycle
+            material%damage%slice%depth = grid%depth
+            material%damage%slice%exponent = 3.0_wp/real(grid%dimensions, wp)
+         end associate
+      end do
+   end subroutine finish_materials
 
    !> Set the width of crack bands, and check that cells are small enough for them.
    subroutine set_crack_bands(deck, simulation)
