@@ -133,7 +133,7 @@ contains
             if (.not. (region%known("lo") .and. region%known("hi"))) cycle
             call region%get("lo", lo)
             call region%get("hi", hi)
-            call dimension_of(deck, dimension, active)
+            call read_dimension(deck, dimension, active)
             do k = 1, 3
                if (hi(k) > lo(k) .or. .not. active(k)) cycle
                call deck%add_error(region, "hi must be above lo in "//axis_names(k)//" [D408]", &
