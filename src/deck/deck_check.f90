@@ -63,7 +63,7 @@ contains
          rule = schema%find(groups(i)%group)
          if (.not. groups(i)%present) then
             ! a group that is not in the deck lacks its required keys
-            names = [text_t ::]
+            names = [text_t :: ]
             do k = 1, size(schema%groups(rule)%keys)
                if (schema%groups(rule)%keys(k)%required .and. &
                   size(schema%groups(rule)%keys(k)%owners) == 0) call append(names, &

@@ -136,6 +136,7 @@ contains
       real(wp), intent(in) :: gradient(3, 3)         !! Deformation gradient [1]
       real(wp), intent(out) :: stress(6)             !! xx, yy, zz, xy, yz, xz [Pa]
       real(wp) :: left(3, 3), strain(3, 3), unity(3, 3), volume
+      real(wp) :: difference(3, 3), reciprocal(3, 3)
       integer :: k
 
       unity = 0.0_wp
@@ -147,7 +148,9 @@ contains
          volume = sqrt(determinant(left))
          strain = (self%lambda*log(volume)*unity + self%shear*(left - unity))/volume
       else
-         strain = matmul(left - unity, inverse(left + unity))
+         difference = left - unity
+         reciprocal = inverse(left + unity)
+         strain = matmul(difference, reciprocal)
          volume = strain(1, 1) + strain(2, 2) + strain(3, 3)
          strain = self%lambda*volume*unity + 2.0_wp*self%shear*strain
       end if

@@ -25,7 +25,8 @@ module run_options
    type(option_t), parameter :: options_of_a_run(8) = [option_t("restart ", "r", &
       a_file), option_t("set     ", "s", a_value), option_t("unset   ", " ", a_value), &
       option_t("case    ", "c", a_value), option_t("outdir  ", "o", a_value), &
-      option_t("quiet   ", "q", no_value), option_t("force   ", " ", no_value), option_t("overwrite", " ", no_value)]
+      option_t("quiet   ", "q", no_value), option_t("force   ", " ", no_value), &
+      option_t("overwrite", " ", no_value)]
 
    !> Options of a run. Texts that were not given are not allocated.
    type :: run_options_t
@@ -145,7 +146,7 @@ contains
          self%folder = value
       case ("quiet")
          self%quiet = .true.
-      case ("force")
+      case default
          self%force = .true.
       end select
    end subroutine run_options_set

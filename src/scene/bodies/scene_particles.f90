@@ -254,9 +254,9 @@ contains
    subroutine spin_bodies(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! With particles
       type(body_t), intent(in) :: bodies(:)
-      real(wp) :: centre(3), spin(3)
+      real(wp) :: arm(3), centre(3), spin(3)
       integer(int64) :: first, last
-      integer :: body, tile, p
+      integer :: body, k, p, tile
 
       do body = 1, size(bodies)
          spin = bodies(body)%spin
@@ -268,8 +268,13 @@ contains
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (store%identity(p) < first .or. store%identity(p) > last) cycle
-                  store%velocity(p, :) = store%velocity(p, :) &
-                     + cross(spin, store%position(p, :) - centre)
+                  do k = 1, 3
+                     arm(k) = store%position(p, k) - centre(k)
+                  end do
+                  arm = cross(spin, arm)
+                  do k = 1, 3
+                     store%velocity(p, k) = store%velocity(p, k) + arm(k)
+                  end do
                   if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
                      -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
                   if (allocated(store%spin)) store%spin(p, :) = spin

@@ -293,13 +293,13 @@ contains
          case (fault_stress)
             line = "its stress is not a finite number [R104]"
          case (fault_inverted)
-            write (line, "(a,es10.3)") &
+            write (line, "(a,es10.3,a)") &
                "it is inverted: the determinant of its deformation is ", value, " [R105]"
          case (fault_small)
-            write (line, "(a,es10.3,a,es10.3)") "its volume over the reference volume,", value, &
+            write (line, "(a,es10.3,a,es10.3,a)") "its volume over the reference volume,", value, &
                ", is below volume_ratio_min =", bounds%ratio_min, " [R106]"
          case (fault_large)
-            write (line, "(a,es10.3,a,es10.3)") "its volume over the reference volume,", value, &
+            write (line, "(a,es10.3,a,es10.3,a)") "its volume over the reference volume,", value, &
                ", is above volume_ratio_max =", bounds%ratio_max, " [R107]"
          case (fault_fast)
             write (line, "(a,es10.3,a,es10.3,a)") "its speed", value, &

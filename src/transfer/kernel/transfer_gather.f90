@@ -15,7 +15,7 @@
 module transfer_gather
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
-   use transfer_gather_plane, only: dual_gradient_plane, gradient_plane, motion_plane
+   use transfer_gather_plane, only: dual_gradient_plane, linear_gradient_plane, motion_plane
    implicit none
    private
 
@@ -45,7 +45,7 @@ contains
       integer :: cell, p, ways(lanes)
 
       if (grid%dimensions < 3) then
-         call gradient_plane(grid, start, local, nodes, scale, gradient)
+         call linear_gradient_plane(grid, start, local, nodes, scale, gradient)
          return
       end if
       ways = 3*grid%lane_offset

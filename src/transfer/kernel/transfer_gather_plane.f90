@@ -13,7 +13,7 @@ module transfer_gather_plane
    implicit none
    private
 
-   public :: dual_gradient_plane, gradient_plane, motion_plane
+   public :: dual_gradient_plane, linear_gradient_plane, motion_plane
 
    integer, parameter :: terms = 4                   !! Number of terms of a polynomial
    integer, parameter :: vector = 3                  !! Components of a vector
@@ -26,7 +26,7 @@ module transfer_gather_plane
 contains
 
    !> Scaled velocity gradient of the plain method: gradient_kl = scale sum u_k dS/dx_l.
-   pure subroutine gradient_plane(grid, start, local, nodes, scale, gradient)
+   pure subroutine linear_gradient_plane(grid, start, local, nodes, scale, gradient)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
@@ -48,7 +48,7 @@ contains
                u(k, node, 4), local(:, 1), local(:, 3), gradient(:, k), gradient(:, k + 6))
          end do
       end do
-   end subroutine gradient_plane
+   end subroutine linear_gradient_plane
 
    !> The gradient of the cell, blended with that of the nodes:
    !! gradient_kl = alpha_l scale sum u_k dS/dx_l + (1 - alpha_l) scale sum S_j (grad u)_j,kl.
