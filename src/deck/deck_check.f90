@@ -63,7 +63,8 @@ contains
          rule = schema%find(groups(i)%group)
          if (.not. groups(i)%present) then
             ! a group that is not in the deck lacks its required keys
-            names = [text_t :: ]
+            if (allocated(names)) deallocate (names)
+            allocate (names(0))
             do k = 1, size(schema%groups(rule)%keys)
                if (schema%groups(rule)%keys(k)%required .and. &
                   size(schema%groups(rule)%keys(k)%owners) == 0) call append(names, &
