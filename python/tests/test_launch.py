@@ -32,7 +32,7 @@ def test_values_of_keys() -> None:
     assert launch.deck_value(True) == ".true." and launch.deck_value(np.bool_(False)) == ".false."
     assert launch.deck_value((0, 0, -1.5)) == launch.deck_value(np.array([0.0, 0.0, -1.5])).replace("0.0", "0")
     assert launch.deck_value(1e-30) == "1e-30" and launch.deck_value(np.float64(0.1)) == "0.1"
-    assert launch.deck_value("xpic") == "xpic" and launch.deck_value(7) == "7"
+    assert launch.deck_value("apic") == "apic" and launch.deck_value(7) == "7"
 
 
 def test_settings_reach_the_program(deck: Path, tmp_path: Path) -> None:

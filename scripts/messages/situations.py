@@ -129,7 +129,7 @@ LOCKED = """&run dimension = 'plane_strain' /
 TURNING = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 10 1 10  dx = 1 /
 &time t_end = 2 /
-&method transfer = 'xpic' /
+&method transfer = 'pic' /
 &material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
 &region name = 'block'  shape = 'box'  lo = 3 0 3  hi = 7 1 7 /
 &body name = 'one'  region = 'block'  material = 'rubber'  spin = 0 1 0 /
@@ -244,7 +244,7 @@ SITUATIONS = {
     "R133": {
         "files": {"scene.nml": TURNING}, "text": "The complete deck of a rubber block that turns:", "shows": TURNING,
         "commands": [RUN], "right": "&method transfer = 'rflip' /",
-        "right_files": {"scene.nml": TURNING.replace("'xpic'", "'rflip'")}, "see": ["output.md#trust"]},
+        "right_files": {"scene.nml": TURNING.replace("'pic'", "'rflip'")}, "see": ["output.md#trust"]},
     "R132": {
         "text": "The disk is full:",
         "commands": [("TMPDIR=/full scree --self-test -q",

@@ -126,20 +126,16 @@ contains
 
    !> Remove the normal velocity of nodes that walls with friction constrained in the step, unless
    !! they separate.
-   pure subroutine boundary_hold_pressed(self, grid, coordinate, ended, velocity, only)
+   pure subroutine boundary_hold_pressed(self, grid, coordinate, ended, velocity)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Changed [m/s]
-      integer, intent(in), optional :: only          !! Wall that acts; default: all
       integer :: nodes(grid%tile_nodes), number, n
 
       if (.not. allocated(self%wall)) return
       do n = 1, size(self%wall)
-         if (present(only)) then
-            if (n /= only) cycle
-         end if
          if (.not. self%wall(n)%condition%has_friction()) cycle
          call wall_nodes(self, grid, coordinate, n, nodes, number)
          if (number > 0) call self%wall(n)%condition%hold_pressed(self%wall(n)%face, &

@@ -35,7 +35,6 @@ module mesh_rigid
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_impose_normal       !! Hold nodes that were held in the step
       procedure :: rub => rigid_apply_friction       !! Friction of regions
-      procedure :: take => rigid_remove_prevented    !! Remove the prevented part of a change
    end type rigid_t
 
 contains
@@ -285,37 +284,6 @@ contains
          end do
       end associate
    end subroutine rigid_impose_normal
-
-   !> Remove the part of a change of velocities that regions prevent: all of it, or its component
-   !! along the normal where the node does not separate.
-   pure subroutine rigid_remove_prevented(self, tile, velocity, open, change)
-      class(rigid_t), intent(in) :: self
-      integer, intent(in) :: tile                    !! Index of the tile
-      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
-      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where prescribed, else 1
-      real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) Without that [m/s]
-      real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, above rounding errors
-      real(wp) :: normal(3), length
-      integer :: n, node
-
-      if (.not. self%holds(tile)) return
-      associate (held => self%held(tile))
-         do n = 1, size(held%node)
-            node = held%node(n)
-            if (.not. maxval(abs(held%normal(:, n))) > 0.0_wp) then
-               change(:, node) = 0.0_wp
-            else if (stays(self%wall(held%wall(n))%condition%velocity, held%normal(:, n), &
-               velocity(:, node))) then
-               ! together with boundaries, a projection on the directions that both leave free
-               normal = held%normal(:, n)*open(:, node)
-               length = norm2(normal)
-               if (.not. length > least) cycle
-               normal = normal/length
-               change(:, node) = change(:, node) - dot_product(change(:, node), normal)*normal
-            end if
-         end do
-      end associate
-   end subroutine rigid_remove_prevented
 
    !> True if a node does not move out of a region.
    pure logical function stays(wall, normal, velocity) result(held)

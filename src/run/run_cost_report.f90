@@ -265,9 +265,7 @@ contains
          needs%repacks = scheme%repacks
          if (allocated(effects%contact)) &
             needs%contact = merge(4, 1, dissipation_after_remap(scheme))
-         needs%filters = method%transfer%sweeps() > 0
          needs%later = records_later(space, scheme, effects)
-         if (needs%filters) needs%extra = 3
          if (method%remaps()) needs%extra = merge(4, 3, &
             method%transfer%affine() .and. .not. method%averages())
          if (method%controlled()) needs%mean = mean_columns

@@ -55,7 +55,7 @@ BLOCK = """&run  dimension='plane_strain' /
 RUBBER, METAL = "poisson=0.49", "poisson=0.3  strength_model='von_mises'  yield=1e4"
 BBAR = "antilock='bbar'"
 NAMED = "antilock = 'bbar'"
-OTHERS = ("transfer='xpic'", "stress_update='usavg'", "quadrature='control'")
+OTHERS = ("transfer='pic'", "stress_update='usavg'", "quadrature='control'")
 
 
 def warned(run):

@@ -90,7 +90,6 @@ def strain_of_steps(run):
 def test_streams(options, sheet):
     """Streams at eight times the speed of sound, for each stress update and velocity transfer."""
     for name, method, words in (("ddmp", "ddmp", ""), ("mpm", "mpm", ""),
-                                ("xpic", "mpm", "&method transfer='xpic' /"),
                                 ("musl", "ddmp", "&method stress_update='musl' /")):
         runs = []
         for time in ("", "retry=.false."):

@@ -193,13 +193,13 @@ def test_rotation(options, sheet):
         rows += [("space", {"dimension": "3d"}), ("oblique", {"dimension": "3d", "motion": "spin=1,-0.5,0.7"}),
                  ("falling", {"effects": "gravity=.true.  gravity_vector=0,0,-0.1"})]
     for name, how in rows:
-        for transfer, verdict in (("rflip", "ok"), ("xpic", "bad")):
+        for transfer, verdict in (("rflip", "ok"), ("pic", "bad")):
             run = turn(options, f"{name}_{transfer}", f"transfer='{transfer}'", **how)
             rated = run.summary["trust"]["angular"]
             sheet.require(rated["verdict"] == verdict, f"{name}, {transfer}: {verdict}: {rated}")
-            if transfer == "xpic":
+            if transfer == "pic":
                 # the filter has removed more than 99 % by then (test/verify/matrix/test_blocks.py)
-                sheet.near(f"{name}, xpic: all is lost", rated["value"], 1.0, 0.01)
+                sheet.near(f"{name}, pic: all is lost", rated["value"], 1.0, 0.01)
                 said = warnings(run, "angular momentum is not conserved")
                 sheet.require(len(said) == 1 and "transfer = 'rflip'" in said[0], f"{name}: warning: {said}")
 
@@ -208,7 +208,7 @@ def test_rotation_is_not_rated(options, sheet):
     """Torques of walls that cancel, and motion that does not turn."""
     plate = "&region  name='plate'  shape='box'  lo=-0.6,0,-0.6  hi=3,1,-0.2 /\n" \
         "&boundary  region='plate'  type='stick' /"
-    run = turn(options, "floor", "transfer='xpic'", effects="gravity=.true.  gravity_vector=0,0,-1", x=1.0,
+    run = turn(options, "floor", "transfer='pic'", effects="gravity=.true.  gravity_vector=0,0,-1", x=1.0,
                motion="", more=plate)
     sheet.require(run.summary["trust"]["angular"]["value"] == 0.0, f"floor: not rated: {run.summary['trust']}")
     sheet.above("floor: the wall exerts a torque", float(abs(run.history["torque_impulse_y"]).max()), 1.0e-6)

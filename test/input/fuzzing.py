@@ -20,7 +20,7 @@ MIXED = """! A deck with something of everything.
   t_end = 12.0   ! us
   cfl = 0.35  dt_min = 1.0e-6
 /
-&method transfer = 'xpic'  alpha = 'product' /
+&method transfer = 'pic'  alpha = 'product' /
 &effects thermal = .true.  gravity = T  gravity_vector(3) = -1 /
 &material name = 'al'  density = 2.79  young = 72.4  poisson = 0.33
   strength_model = 'johnson_cook'  jc_a = 0.265  jc_b = 0.426  jc_n = 0.34  jc_c = 0.015

@@ -126,9 +126,9 @@ def test_bits(options, sheet):
     sheet.require(other != digest, "a velocity that differs in its last bit gives another digest")
 
     seen = set()
-    transfers = ("flip", "pic", "apic", "aflip", "rflip", "xpic", "fmpm")
+    transfers = ("flip", "pic", "apic", "aflip", "rflip")
     pairs = [("usl", name) for name in transfers] + [("musl", name) for name in transfers] + [("usavg", "rflip")]
-    pairs += [("usf", name) for name in ("flip", "aflip", "fmpm")]
+    pairs += [("usf", name) for name in ("flip", "aflip")]
     for method in ("ddmp", "mpm"):
         for update, transfer in pairs:
             # affine transfers with linear functions of the plain method are unstable
@@ -169,6 +169,3 @@ def test_bits(options, sheet):
 
     _, digest = compare(options, sheet, "bar", BAR)
     restart(options, sheet, "bar", BAR, digest, (2, 1), (1, 2), 75)
-    series = BAR + "&method  transfer='fmpm'  order_k=4 /"
-    _, digest = compare(options, sheet, "series", series, ((1, 1), (2, 2)))
-    restart(options, sheet, "series", series, digest, (2, 1), (1, 2), 75)

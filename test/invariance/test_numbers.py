@@ -97,9 +97,8 @@ def nearest(points, others):
 
 @pytest.mark.parametrize("name, words", [
     ("default", ""),
-    ("xpic", "transfer='xpic' stress_update='musl'"),
+    ("musl", "stress_update='musl'"),
     ("apic", "transfer='apic'"),
-    ("fmpm", "transfer='fmpm' order_k=3"),
 ])
 def test_mirror(options, sheet, name, words):
     """A scene and its image in the plane x = 0."""

@@ -3,10 +3,10 @@
 
 import dataclasses
 
-TRANSFERS = {"flip": 3, "pic": 1, "apic": 2, "aflip": 2, "rflip": 3, "xpic": 2, "fmpm": 2}
+TRANSFERS = {"flip": 3, "pic": 1, "apic": 2, "aflip": 2, "rflip": 3}
 # Transfers that remove velocities of particles that nodes do not resolve: without an internal energy to receive it,
 # kinetic energy is lost by design.
-FILTERS = ("pic", "apic", "xpic", "fmpm")
+FILTERS = ("pic", "apic")
 
 
 @dataclasses.dataclass
@@ -57,8 +57,6 @@ def draw(chance, plan):
         keys["stress_update"] = "musl"         # the program refuses usavg with whole linear fields
     if word in ("flip", "rflip", "aflip") and chance.true(0.4) and not keys.get("paper"):
         keys["flip"] = chance.choose([1.0, 0.995, 0.99, 0.95])
-    if word in ("xpic", "fmpm") and chance.true(0.5):
-        keys["order_k"] = chance.integer(2, 5)
     if chance.true(0.15):
         keys["antilock"] = "bbar"
     if chance.true(0.15) and plan.dimension != "axisymmetric" and not keys.get("paper"):

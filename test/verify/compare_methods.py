@@ -30,7 +30,6 @@ WAYS = {  # heading: method, keys of &method
     "ddmp flip": ("ddmp", "transfer='flip'"),
     "ddmp aflip": ("ddmp", "transfer='aflip'"),
     "ddmp apic": ("ddmp", "transfer='apic'"),
-    "ddmp xpic": ("ddmp", "transfer='xpic'"),
     "ddmp musl": ("ddmp", "stress_update='musl'"),
     "ddmp usf": ("ddmp", "stress_update='usf'"),
     "ddmp control": ("ddmp", "quadrature='control'"),

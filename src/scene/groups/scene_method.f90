@@ -70,7 +70,7 @@ contains
          default="none", words="none bbar")
       call declare_shocks(schema)
       call declare_split(schema)
-      call schema%allow_change("method", "# transfer order_k alpha blend free_surface "// &
+      call schema%allow_change("method", "# transfer alpha blend free_surface "// &
          "normalise turn_from antilock viscosity_limiter split split_what split_max", &
          changes_physics)
       call schema%forbid_change("method", "basis paper quadrature stress_update", &
@@ -192,8 +192,7 @@ contains
       if (method%transfer%affine() .and. .not. method%transfer%turning()) then
          call deck%warn(group, "linear functions with transfer = '"//transfer// &
             "' gain energy without bound; write basis = 'quadratic' [D355]", "transfer")
-      else if (method%stress == stress_after .and. (method%transfer%flip_fraction() > 0.0_wp .or. &
-         method%transfer%sweeps() > 0)) then
+      else if (method%stress == stress_after .and. method%transfer%flip_fraction() > 0.0_wp) then
          call deck%warn(group, "linear functions with stress_update = 'usl' gain energy "// &
             "without bound where bodies cross cells; write stress_update = 'musl' [D355]", &
             "stress_update")

@@ -29,7 +29,7 @@ module step_advance
    use step_stress_difference, only: find_stress_difference
    use step_tile_rotation, only: smooth_tile_rotation
    use step_time_step, only: finish_step
-   use step_velocity_remap, only: filter_velocities, remap_momentum
+   use step_velocity_remap, only: remap_momentum
    implicit none
    private
 
@@ -226,7 +226,7 @@ contains
       end associate
    end subroutine move_in_contact
 
-   !> Filter the node velocities (XPIC, FMPM), or map those of the particles once more (MUSL).
+   !> Map the velocities of the particles once more, if the strain uses them (MUSL).
    subroutine remap_velocities(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -235,8 +235,6 @@ contains
       associate (space => simulation%space, stores => simulation%stores, &
          scheme => simulation%scheme, method => simulation%scheme%method, &
          machine => simulation%machine, scratch => simulation%scratch)
-         if (method%transfer%sweeps() > 0) call filter_velocities(space, stores, scheme, machine, &
-            scratch, field, dt)
          if (.not. method%remaps()) return
          call remap_momentum(space, stores, scheme, machine, scratch, field, dt)
          call find_remapped_velocities(space, scheme, simulation%effects, simulation%clock, &

@@ -391,18 +391,18 @@ contains
       real(wp), allocatable :: none(:, :), mapped(:, :), momentum(:, :)
 
       associate (strain => nodes%motion%strain(:, :, tile))
-         if (size(nodes%series%extra, 1) == 3) then
-            call assemble(space%grid, space%tiles, nodes%series%extra, tile, strain)
+         if (size(nodes%remap, 1) == 3) then
+            call assemble(space%grid, space%tiles, nodes%remap, tile, strain)
          else
             ! with linear velocity fields the patch also has the mass, in its first row
             allocate (momentum(4, size(strain, 2)))
-            call assemble(space%grid, space%tiles, nodes%series%extra, tile, momentum)
+            call assemble(space%grid, space%tiles, nodes%remap, tile, momentum)
             strain = momentum(2:, :)
          end if
          call divide_nodes(nodes%motion%mass(:, :, tile), 1, strain)
          if (scheme%method%averages()) then
             ! the velocity of the nodes of a tile at the end of a step, from the gain of the
-            ! particles and a fraction of the gain that they did not receive. Equation (T.14) of
+            ! particles and a fraction of the gain that they did not receive. Equation (T.9) of
             ! doc/theory/transfers.md
             associate (share => scheme%method%unseen)
                strain = nodes%motion%velocity(:, :, tile) + (1.0_wp - share)*strain &

@@ -39,7 +39,6 @@ module step_node_fields
       !> Columns of the work of contact: 0 without it, 1 of its heat, 3 more if contact forces are
       !! stored
       integer :: contact = 0
-      logical :: filters = .false.                   !! Series of velocities
       logical :: later = .false.                     !! Is work recorded after the second mapping?
       integer :: extra = 0                           !! Columns of values that are mapped again
       integer :: mean = 0                            !! Columns of sums for the mean stress
@@ -99,17 +98,6 @@ module step_node_fields
       procedure :: count => count_dual
    end type dual_nodes_t
 
-   !> Series of velocities that filters them, and momentum that is mapped a second time.
-   type :: series_nodes_t
-      !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
-      real(wp), allocatable :: extra(:, :, :)
-      real(wp), allocatable :: filtered(:, :, :)     !! (3) Sum of the series of velocities [m/s]
-      real(wp), allocatable :: term(:, :, :)         !! (3) Last term of the series [m/s]
-      real(wp), allocatable :: loss(:, :, :)         !! (1) Lost kinetic energy [J/kg]
-   contains
-      procedure :: count => count_series
-   end type series_nodes_t
-
    !> Corrections of the stress: mean stress, local stress difference.
    type :: stress_nodes_t
       !> Patch (7): volume, stress times volume; (20) for stress differences: the same and the force
@@ -152,10 +140,11 @@ module step_node_fields
    type :: nodes_t
       type(motion_nodes_t) :: motion
       type(dual_nodes_t) :: dual
-      type(series_nodes_t) :: series
       type(stress_nodes_t) :: stress
       type(normalised_nodes_t) :: sums
       type(work_nodes_t) :: work
+      !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
+      real(wp), allocatable :: remap(:, :, :)
    contains
       procedure :: count => count_nodes
    end type nodes_t
@@ -191,7 +180,7 @@ contains
 
       call self%motion%count(needs, tally)
       call self%dual%count(needs, tally)
-      call self%series%count(needs, tally)
+      call tally%add(self%remap, needs%extra)
       call self%stress%count(needs, tally)
       call self%sums%count(needs, tally)
       call self%work%count(needs, tally)
@@ -232,18 +221,6 @@ contains
       call tally%add(self%middle_gradient, merge(needs%tensor, 0, needs%dual .and. needs%energy))
       call tally%add(self%gradient_before, merge(needs%tensor, 0, needs%dual .and. needs%averages))
    end subroutine count_dual
-
-   !> Count the fields of the series.
-   pure subroutine count_series(self, needs, tally)
-      class(series_nodes_t), intent(in) :: self
-      type(node_needs_t), intent(in) :: needs
-      type(node_tally_t), intent(inout) :: tally
-
-      call tally%add(self%extra, needs%extra)
-      call tally%add(self%filtered, merge(3, 0, needs%filters))
-      call tally%add(self%term, merge(3, 0, needs%filters))
-      call tally%add(self%loss, merge(1, 0, needs%filters))
-   end subroutine count_series
 
    !> Count the fields of corrected stress.
    pure subroutine count_stress(self, needs, tally)

@@ -14,7 +14,6 @@ module step_node_view
    use step_node_fields, only: motion_nodes_t, nodes_t
    use step_particles_to_nodes, only: nodes_seen
    use step_simulation, only: clock_t, scheme_t, space_t
-   use step_velocity_remap, only: find_filtered
    use transfer_affine, only: moment_fields
    use transfer_increments, only: increments_t
    implicit none
@@ -32,7 +31,6 @@ module step_node_view
    !> Kinetic energy lost at the nodes of a tile, for its particles.
    type :: loss_view_t
       real(wp), allocatable :: heat(:, :) !! (column, node) Fields gathered at the particles
-      real(wp), allocatable :: scalar(:, :)          !! (1, node) Value of the nodes [J/kg]
       real(wp), allocatable :: turn(:, :) !! (3, node) Velocity from linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Moments of these [m2/s]
    end type loss_view_t
@@ -49,7 +47,6 @@ module step_node_view
       type(loss_view_t) :: loss                      !! Lost kinetic energy
       type(increments_t) :: increments               !! Increments and heat, if gathered at once
       logical :: at_once = .false.                   !! Are they gathered at once?
-      real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
       real(wp), allocatable :: excess(:, :) !! (1, node) Fill less 1, for loose material [1]
       real(wp) :: limiting_rate = 0.0_wp             !! Smaller |grad v| do not limit steps [1/s]
       logical :: limits_nothing = .false.            !! Can no gradient limit the step?
@@ -126,13 +123,12 @@ contains
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       type(view_t), intent(inout) :: view            !! Node fields for the particles
-      real(wp) :: none(1, 0)
       integer :: low, high
 
       associate (transfer => scheme%method%transfer)
          ! velocity, displacement and lost kinetic energy from fields that are gathered once;
          ! without energy and damping, fields update velocity and position
-         view%at_once = transfer%sweeps() == 0 .and. transfer%flip_fraction() > 0.5_wp .and. &
+         view%at_once = transfer%flip_fraction() > 0.5_wp .and. &
             (scheme%carries_energy .or. measures_damping(scheme%method, scheme%carries_energy))
          if (view%at_once) then
             call nodes_seen(grid, nodes%motion, tile, low, high)
@@ -154,22 +150,16 @@ contains
          high = grid%tile_nodes
          ! fields of the lost energy are found on all nodes
          if (.not. scheme%carries_energy) call nodes_seen(grid, nodes%motion, tile, low, high)
-         call find_filtered(grid, scheme%method, nodes, tile, low, high, dt, view%filtered)
-         call find_carriers(scheme%method, dt, nodes%motion%velocity(:, low:high, view%slot), &
-            nodes%motion%acceleration(:, low:high, view%slot), view%filtered(:, low:high), &
-            view%velocity_increment(:, low:high), view%advection_velocity(:, low:high))
-         associate (velocity => nodes%motion%velocity(:, :, view%slot), filtered => view%filtered, &
+         associate (velocity => nodes%motion%velocity(:, :, view%slot), &
             acceleration => nodes%motion%acceleration(:, :, view%slot))
+            call transfer%velocity_increment(dt, velocity(:, low:high), &
+               acceleration(:, low:high), view%velocity_increment(:, low:high))
+            call combine(1.0_wp, velocity(:, low:high), &
+               merge(1.0_wp, 0.5_wp, scheme%method%leapfrog)*dt, acceleration(:, low:high), &
+               view%advection_velocity(:, low:high))
             if (transfer%affine()) view%velocity_new = velocity + dt*acceleration
             if (.not. scheme%carries_energy) return
-            if (transfer%sweeps() > 0) then
-               call transfer%heat_fields(dt, velocity, acceleration, filtered, &
-                  nodes%series%term(:, :, tile), nodes%series%loss(:, :, tile), view%loss%heat, &
-                  view%loss%scalar)
-            else
-               call transfer%heat_fields(dt, velocity, acceleration, filtered, filtered, none, &
-                  view%loss%heat, view%loss%scalar)
-            end if
+            call transfer%heat_fields(dt, velocity, acceleration, view%loss%heat)
             if (.not. transfer%affine()) return
             view%loss%turn = (1.0_wp - transfer%flip_fraction())*velocity &
                - transfer%flip_fraction()*dt*acceleration
@@ -178,22 +168,4 @@ contains
          end associate
       end associate
    end subroutine set_motion_view
-
-   !> Velocity increment for the particles, and the velocity that moves them.
-   pure subroutine find_carriers(method, dt, velocity, acceleration, filtered, push, carry)
-      type(method_t), intent(in) :: method
-      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
-      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series [m/s]
-      real(wp), contiguous, intent(inout) :: push(:, :)      !! (3, node) [m/s]
-      real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
-
-      call method%transfer%velocity_increment(dt, acceleration, filtered, push)
-      if (method%leapfrog) then
-         call method%transfer%advection_velocity(dt, velocity, acceleration, filtered, carry)
-      else
-         call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, carry)
-      end if
-   end subroutine find_carriers
 end module step_node_view

@@ -205,7 +205,6 @@ contains
             return
          end if
          call method%transfer%heat(grid, method%basis, shape, first, view%loss%heat, &
-            view%loss%scalar, &
             store%velocity, store%state%energy)
          if (.not. method%transfer%affine()) return
          call shape%reserve_affine(store%count(tile))
@@ -298,7 +297,7 @@ contains
    end subroutine carry_particles
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
-   !! particles gain the kinetic energy that nodes lose: (T.8) of doc/theory/transfers.md.
+   !! particles gain the kinetic energy that nodes lose: (T.5) of doc/theory/transfers.md.
    pure subroutine add_work(scratch, store, tile)
       type(scratch_t), intent(in) :: scratch !! Scratch memory of this thread, with the gradient
       type(store_t), intent(inout) :: store

@@ -137,8 +137,7 @@ contains
       associate (method => scheme%method)
          lean = .not. (scheme%keeps_nodes .or. allocated(effects%contact) .or. &
             allocated(effects%exact) .or. scheme%repacks .or. &
-            allocated(scheme%normalises) .or. &
-            method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
+            allocated(scheme%normalises) .or. method%controlled() .or. method%differing() .or. &
             method%remaps())
       end associate
    end function may_be_lean

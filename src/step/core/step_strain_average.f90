@@ -7,7 +7,7 @@
 !! loses (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
 !! the particles have moved, after the force of the next step. So each step predicts it at the
 !! present positions and keeps it, and the next step replaces it by the computed one. Equation
-!! (T.14) of doc/theory/transfers.md.
+!! (T.9) of doc/theory/transfers.md.
 module step_strain_average
    use base_kinds, only: wp
    use particle_store, only: store_t

@@ -6,7 +6,7 @@
 !! body this work is zero, as a rotation has no strain. But the rotation of single particles varies
 !! from one to the next; a vibrating ring of five cells loses a third of its energy this way. Here
 !! each particle gets the mass-weighted mean of the rotations around it, with weights that fall
-!! linearly over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
+!! linearly over the edge of a tile. Equation (T.8) of doc/theory/transfers.md.
 module step_tile_rotation
    use base_kinds, only: wp
    use mesh_patch, only: assemble, clear_patch, ensure_patch, extent_of

@@ -1,196 +1,26 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Further transfers between nodes and particles within a step: the terms of the series that filters
-!! node velocities, and the map of the new particle velocities that strains with `musl`.
+!> The second map of particle velocities to the nodes within a step, which strains with `musl`.
 module step_velocity_remap
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use mesh_patch, only: assemble, clear_patch, ensure_patch
-   use mesh_wall_sums, only: wall_push_t
+   use mesh_patch, only: clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_dual_gradient, only: node_gradient
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_method, only: method_t
-   use step_node_fields, only: nodes_t
-   use step_node_sums, only: divide_nodes
    use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
    use step_tile_cost, only: start_cost, stop_cost
-   use step_walls, only: record_push, record_walls, remove_wall_components, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
    use transfer_shape_data, only: shape_data_t, spare
    implicit none
    private
 
-   public :: filter_velocities, find_filtered, find_slopes, remap_momentum
+   public :: find_slopes, remap_momentum
 
 contains
-
-   !> The series of node velocities that the transfer requests, on the own tiles.
-   subroutine filter_velocities(space, stores, scheme, machine, scratches, field, dt)
-      type(space_t), intent(inout) :: space
-      type(store_t), intent(in) :: stores(:)
-      type(scheme_t), intent(in) :: scheme
-      type(machine_t), intent(inout) :: machine
-      type(scratch_t), intent(inout) :: scratches(0:)
-      type(velocity_field_t), intent(inout) :: field
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      integer :: sweep, tile
-
-      associate (transfer => scheme%method%transfer)
-         associate (nodes => field%nodes, number => space%grid%tile_nodes, own => space%tiles%own)
-            call ensure_patch(nodes%series%filtered, 3, number, own)
-            call ensure_patch(nodes%series%term, 3, number, own)
-            call ensure_patch(nodes%series%loss, 1, number, own)
-         end associate
-         !$omp parallel do default(none) shared(space, scheme, machine, field, dt) private(tile) &
-         !$omp schedule(static)
-         do tile = 1, space%tiles%own
-            call start_cost(machine, tile)
-            call scheme%method%transfer%first_term(dt, field%nodes%motion%velocity(:, :, tile), &
-               field%nodes%motion%acceleration(:, :, tile), field%nodes%series%term(:, :, tile))
-            field%nodes%series%filtered(:, :, tile) = field%nodes%series%term(:, :, tile)
-            field%nodes%series%loss(:, :, tile) = 0.0_wp
-            call stop_cost(machine, tile)
-         end do
-         !$omp end parallel do
-         do sweep = 1, transfer%sweeps()
-            call spread_terms(space, stores, scheme, machine, scratches, field)
-            call machine%timer%start(machine%phase%grid)
-            !$omp parallel do default(none) private(tile) schedule(static) &
-            !$omp shared(space, scheme, machine, scratches, field, dt, sweep)
-            do tile = 1, space%tiles%own
-               call start_cost(machine, tile)
-               call add_term(space, scheme, field%nodes, scratches(omp_get_thread_num()), &
-                  tile, sweep, dt)
-               call stop_cost(machine, tile)
-            end do
-            !$omp end parallel do
-            call machine%timer%stop(machine%phase%grid)
-         end do
-      end associate
-   end subroutine filter_velocities
-
-   !> Scatter the momentum of the present term at the particles to a second patch.
-   subroutine spread_terms(space, stores, scheme, machine, scratches, field)
-      type(space_t), intent(inout) :: space
-      type(store_t), intent(in) :: stores(:)
-      type(scheme_t), intent(in) :: scheme
-      type(machine_t), intent(inout) :: machine
-      type(scratch_t), intent(inout) :: scratches(0:)
-      type(velocity_field_t), intent(inout) :: field
-      integer, allocatable :: tiles(:)
-      integer :: part, n
-
-      call machine%timer%start(machine%phase%scatter)
-      call ensure_patch(field%nodes%series%extra, 3, space%grid%tile_nodes, space%tiles%own)
-      do part = edge_tiles, inner_tiles
-         call next_tiles(space, machine%communicator, part, tiles)
-         !$omp parallel do default(none) shared(space, stores, scheme, machine, scratches, field, &
-         !$omp tiles) private(n) schedule(dynamic, 1)
-         do n = 1, size(tiles)
-            call start_cost(machine, tiles(n))
-            call spread_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
-               tiles(n), field%nodes%series%term(:, :, tiles(n)), &
-               field%nodes%series%extra(:, :, tiles(n)))
-            call stop_cost(machine, tiles(n))
-         end do
-         !$omp end parallel do
-         call send_patches(space, machine, part, field%nodes%series%extra)
-      end do
-      call machine%timer%stop(machine%phase%scatter)
-   end subroutine spread_terms
-
-   !> One tile.
-   subroutine spread_tile(space, stores, scheme, field, scratch, tile, term, patch)
-      type(space_t), intent(in) :: space
-      type(store_t), intent(in) :: stores(:)
-      type(scheme_t), intent(in) :: scheme
-      type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
-      integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: term(:, :) !! (3, node) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [kg m/s]
-      integer :: index
-
-      call clear_patch(patch)
-      do index = field%first_store, field%last_store
-         if (stores(index)%count(tile) == 0) cycle
-         associate (grid => space%grid, store => stores(index), basis => scheme%method%basis, &
-            shape => scratch%shape)
-            call locate_particles(space, scheme, field, scratch, store, tile)
-            call basis%gather_values(grid, shape, term, shape%vector)
-            call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
-               shape%vector, 0, patch)
-         end associate
-      end do
-   end subroutine spread_tile
-
-   !> The next term, y - S^+ S y, without the components that walls hold in this step; it is added
-   !! to the sum. Particles do not get what walls remove, so it is recorded, with the velocity at
-   !! the end of the step. Equation (L.12) of doc/theory/ledger.md: this needs the same orthogonal
-   !! projection for all terms, so the held components must not depend on the term.
-   subroutine add_term(space, scheme, nodes, scratch, tile, sweep, dt)
-      type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
-      type(nodes_t), intent(inout) :: nodes
-      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
-      integer, intent(in) :: tile
-      integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: again(3, space%grid%tile_nodes), free(3, space%grid%tile_nodes)
-      real(wp) :: ended(3, space%grid%tile_nodes)
-      type(wall_push_t) :: each
-
-      associate (grid => space%grid, term => nodes%series%term(:, :, tile), &
-         transfer => scheme%method%transfer)
-         call assemble(grid, space%tiles, nodes%series%extra, tile, again)
-         call divide_nodes(nodes%motion%mass(:, :, tile), 1, again)
-         again = term - again
-         if (walls_touch(space, tile)) then
-            ended = nodes%motion%velocity(:, :, tile) + dt*nodes%motion%acceleration(:, :, tile)
-            free = again
-            if (allocated(scratch%ledger%walls%total)) then
-               call remove_wall_components(space, tile, nodes%motion%velocity(:, :, tile), again, &
-                  each)
-               ! the push below is recorded with the velocity at the end of the step
-               each%dt = 2.0_wp*dt
-               call record_walls(space, nodes%motion, scratch%ledger, tile, each)
-            else
-               call remove_wall_components(space, tile, nodes%motion%velocity(:, :, tile), again)
-            end if
-            free = again - free
-            call record_push(space, nodes%motion, scratch%ledger, tile, free, ended)
-         end if
-         if (scheme%carries_energy) nodes%series%loss(1, :, tile) = nodes%series%loss(1, :, tile) &
-            + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &
-            + transfer%loss_weight(2*sweep)*sum(again**2, dim=1)
-         term = again
-         nodes%series%filtered(:, :, tile) = nodes%series%filtered(:, :, tile) + again
-      end associate
-   end subroutine add_term
-
-   !> Sum of the series of node velocities, or its only term, at the nodes that particles use.
-   subroutine find_filtered(grid, method, nodes, tile, low, high, dt, filtered)
-      type(grid_t), intent(in) :: grid
-      type(method_t), intent(in) :: method
-      type(nodes_t), intent(in) :: nodes
-      integer, intent(in) :: tile
-      integer, intent(in) :: low, high               !! First and last node
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), allocatable, intent(inout) :: filtered(:, :) !! (3, node) [m/s]
-      integer :: slot
-
-      slot = nodes%motion%slot(tile)
-      if (.not. allocated(filtered)) allocate (filtered(3, grid%tile_nodes), source=0.0_wp)
-      if (method%transfer%sweeps() > 0) then
-         filtered(:, low:high) = nodes%series%filtered(:, low:high, tile)
-      else
-         call method%transfer%first_term(dt, nodes%motion%velocity(:, low:high, slot), &
-            nodes%motion%acceleration(:, low:high, slot), filtered(:, low:high))
-      end if
-   end subroutine find_filtered
 
    !> Scatter the momentum of the new particle velocities, or of their gain, to a second patch, at
    !! the old positions. The particles themselves get these velocities later.
@@ -206,7 +36,7 @@ contains
       integer :: part, n
 
       call machine%timer%start(machine%phase%scatter)
-      call ensure_patch(field%nodes%series%extra, merge(4, 3, scheme%method%transfer%affine() &
+      call ensure_patch(field%nodes%remap, merge(4, 3, scheme%method%transfer%affine() &
          .and. .not. scheme%method%averages()), space%grid%tile_nodes, space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(space, machine%communicator, part, tiles)
@@ -215,11 +45,11 @@ contains
          do n = 1, size(tiles)
             call start_cost(machine, tiles(n))
             call scatter_tile(space, stores, scheme, field, scratches(omp_get_thread_num()), &
-               tiles(n), dt, field%nodes%series%extra(:, :, tiles(n)))
+               tiles(n), dt, field%nodes%remap(:, :, tiles(n)))
             call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
-         call send_patches(space, machine, part, field%nodes%series%extra)
+         call send_patches(space, machine, part, field%nodes%remap)
       end do
       call machine%timer%stop(machine%phase%scatter)
    end subroutine remap_momentum
@@ -235,7 +65,7 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: push(3, space%grid%tile_nodes)
-      real(wp), allocatable :: after(:, :), filtered(:, :), gradient(:, :)
+      real(wp), allocatable :: after(:, :), gradient(:, :)
       real(wp) :: keep
       integer :: index, low, high
 
@@ -245,9 +75,8 @@ contains
             call node_gradient(space, field%nodes, tile, field%nodes%dual%gradient, gradient)
          call nodes_seen(space%grid, motion, tile, low, high)
          push = 0.0_wp
-         call find_filtered(space%grid, method, field%nodes, tile, low, high, dt, filtered)
-         call method%transfer%velocity_increment(dt, motion%acceleration(:, low:high, tile), &
-            filtered(:, low:high), push(:, low:high))
+         call method%transfer%velocity_increment(dt, motion%velocity(:, low:high, tile), &
+            motion%acceleration(:, low:high, tile), push(:, low:high))
          keep = method%transfer%flip_fraction()
          if (method%averages()) then
             ! gain of the particles; the PIC fraction acts after the strain of the step, which does

@@ -19,7 +19,7 @@ module step_walls
    private
 
    public :: apply_walls, constrain_tile, hold_at_walls, pair_row, record_push, &
-      record_stopped, record_unbalanced, record_walls, remove_wall_components, start_walls, &
+      record_stopped, record_unbalanced, record_walls, start_walls, &
       stop_at_walls, walls_touch
 
    !> Stages of the action of walls on nodes, in this order: forces, prescribed velocities,
@@ -374,59 +374,8 @@ contains
       if (allocated(space%rigid)) call space%rigid%constrain(tile, velocity, change, at_end=.true.)
    end subroutine stop_at_walls
 
-   !> Remove from a change of node velocities the components that walls prescribed or changed before
-   !! the forces act: an orthogonal projection. A wall that prescribes the velocity of a node in a
-   !! step does so from the start of the step.
-   pure subroutine remove_wall_components(space, tile, velocity, change, each)
-      type(space_t), intent(in) :: space
-      integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) Before forces act [m/s]
-      real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
-      type(wall_push_t), intent(inout), optional :: each !! Change by each wall, if requested
-      real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
-      integer :: wall
-
-      moved = velocity
-      open = 1.0_wp
-      if (present(each)) then
-         call each%begin(number_of_walls(space), 1.0_wp, 0.0_wp, moved, change)
-         if (allocated(space%boundary%wall)) then
-            do wall = 1, size(space%boundary%wall)
-               call close_components(space, tile, velocity, moved, open, wall)
-               call each%note(wall, moved, change*open)
-            end do
-         end if
-      else
-         call close_components(space, tile, velocity, moved, open)
-      end if
-      change = change*open
-      if (.not. allocated(space%rigid)) return
-      call space%rigid%take(tile, velocity, open, change)
-      if (.not. present(each)) return
-      if (space%rigid%holds(tile)) call each%note_nodes(number_of_walls(space) &
-         - size(space%rigid%wall), space%rigid%held(tile)%node, space%rigid%held(tile)%wall, &
-         moved, change)
-   end subroutine remove_wall_components
-
-   !> Clear the mask of velocity components that boundaries prescribe, all boundaries or one.
-   pure subroutine close_components(space, tile, velocity, moved, open, only)
-      type(space_t), intent(in) :: space
-      integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before forces act [m/s]
-      real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) Velocity with walls [m/s]
-      real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where prescribed
-      integer, intent(in), optional :: only          !! Wall that acts; default: all
-
-      associate (coordinate => space%tiles%coordinate(:, tile))
-         call space%boundary%constrain(space%grid, coordinate, moved, open, &
-            at_end=.true., only=only)
-         if (space%boundary%has_friction()) call space%boundary%hold_pressed(space%grid, &
-            coordinate, velocity, open, only)
-      end associate
-   end subroutine close_components
-
    !> The energy that walls remove through the PIC fraction is part of their work and also of the
-   !! recorded dissipation of the PIC fraction, so it is subtracted from the work. Equation (L.13)
+   !! recorded dissipation of the PIC fraction, so it is subtracted from the work. Equation (L.12)
    !! of doc/theory/ledger.md.
    subroutine record_stopped(grid, method, motion, ledger, tile, change, velocity)
       type(grid_t), intent(in) :: grid

@@ -48,14 +48,14 @@ contains
 
       ! with musl the strain uses the damped velocity, so this energy is not lost
       measurable = .not. carries .and. (method%averages() .or. .not. method%remaps()) &
-         .and. method%leapfrog .and. method%transfer%sweeps() == 0 &
+         .and. method%leapfrog &
          .and. method%transfer%flip_fraction() > 0.0_wp &
          .and. method%transfer%flip_fraction() < 1.0_wp
    end function measures_damping
 
    !> Record the kinetic energy that the PIC fraction removes from the particles of a tile. With the
    !! advection velocity c, FLIP alone would give them the velocity (v - (1 - f) c)/f, which is
-   !! larger by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
+   !! larger by (1 - f)/f (v - c). Equation (L.12) of doc/theory/ledger.md.
    subroutine record_damping(ledger, store, tile, moved, keep)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       type(store_t), intent(in) :: store             !! The particles after the step

@@ -147,7 +147,7 @@ module step_ledger
       type(wall_sums_t) :: walls                     !! Action of each wall, if an output shows it
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
-      real(wp) :: turn_scale = 0.0_wp    !! Greatest turning motion [kg m2/s], equation (L.14)
+      real(wp) :: turn_scale = 0.0_wp    !! Greatest turning motion [kg m2/s], equation (L.13)
    contains
       procedure :: record_lost => ledger_record_lost     !! Record the particles that left the box
       procedure :: record_particle => ledger_record_particle     !! Record a particle that leaves
@@ -310,7 +310,7 @@ contains
    end subroutine ledger_balance
 
    !> Turning motion about the centre of mass [kg m2/s]: the angular momentum, or a tenth of its
-   !! upper bound, which a body that turns in a plane attains. Equation (L.14).
+   !! upper bound, which a body that turns in a plane attains. Equation (L.13).
    real(wp) function turning_motion(scales, entry) result(motion)
       type(exact_sum_t), intent(in) :: scales(scale_count) !! As `sum_tile` adds them
       real(wp), intent(in) :: entry(:)               !! Entries at this time

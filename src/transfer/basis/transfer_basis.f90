@@ -367,7 +367,7 @@ contains
    !! PIC fraction, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where
    !! var and cov are those of the node values under the weights S_i. Terms that only carry energy
    !! from particle to particle, and add up to zero, are left out; the rest is not negative for g <=
-   !! 1. Equation (T.9) of doc/theory/transfers.md.
+   !! 1. Equation (T.6) of doc/theory/transfers.md.
    pure subroutine basis_gather_heat(self, grid, shape, first, nodes, share, velocity, energy)
       class(basis_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -6,7 +6,7 @@
 !! a particle gets (1 - g) C : B(a dt) - g C : B(u) more than `gather_heat` gives it; so the sum of
 !! kinetic and internal energy is conserved to round-off. (Derived for this program from sum m_p S
 !! (v_p + C_p (x_i - x_p)) = m_i u_i; the heat may be negative where the linear field gains energy.)
-!! Equation (T.10) of doc/theory/transfers.md.
+!! Equation (T.7) of doc/theory/transfers.md.
 module transfer_affine
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

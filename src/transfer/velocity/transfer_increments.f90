@@ -6,8 +6,8 @@
 !! in the displacement, the columns are d + g u and u + c d along the active directions; then, for
 !! material with an internal energy, d.d/2 + g (u.u + u.d) and the moments of g u - (1 - g) d about
 !! the corner of the tile that linear velocity fields need. The velocity and the gain at a particle
-!! follow from the first two, so g c must not be near 1. Equations (T.1), (T.2), (T.9) and
-!! (T.10) of doc/theory/transfers.md.
+!! follow from the first two, so g c must not be near 1. Equations (T.1), (T.2), (T.6) and
+!! (T.7) of doc/theory/transfers.md.
 module transfer_increments
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

@@ -91,7 +91,7 @@ def test_point(options, sheet):
 
 
 @pytest.mark.tiers("full", "long")
-@pytest.mark.parametrize("method, transfer", [("ddmp", "flip"), ("mpm", "flip"), ("ddmp", "xpic")])
+@pytest.mark.parametrize("method, transfer", [("ddmp", "flip"), ("mpm", "flip")])
 def test_wave(options, sheet, method, transfer):
     """The order of a wave that is sheared."""
     errors = []

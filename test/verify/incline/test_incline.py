@@ -92,7 +92,7 @@ def test_thick(options, sheet):
 
 TRANSFERS = {"flip 0.999": ("flip=0.999", {}), "flip 0.999, 20 cells": ("flip=0.999", {"cells": 20}),
              "flip 0.9999": ("flip=0.9999", {}), "flip 1": ("flip=1", {}), "apic": ("transfer='apic'", {}),
-             "aflip 0.999": ("transfer='aflip' flip=0.999", {}), "fmpm": ("transfer='fmpm'", {}),
+             "aflip 0.999": ("transfer='aflip' flip=0.999", {}),
              "soft": ("flip=0.9999", {"softness": 300.0})}
 
 

@@ -35,7 +35,7 @@ KINDS = {"ddmp": ("ddmp", ""), "ddmp control": ("ddmp", "quadrature='control'"),
          "gimp": ("mpm", "basis='gimp'"), "cpgimp": ("mpm", "basis='cpgimp'"), "cpdi": ("mpm", "basis='cpdi'"),
          "quadratic": ("mpm", "basis='quadratic'"), "cubic": ("mpm", "basis='cubic'")}
 SHORT = ("ddmp", "linear", "gimp", "cpdi", "quadratic")
-TRANSFERS = ("flip", "pic", "apic", "aflip", "rflip", "xpic", "fmpm")
+TRANSFERS = ("flip", "pic", "apic", "aflip", "rflip")
 UPDATES = ("usl", "usf", "musl", "usavg")
 FIELDS = ("apic", "aflip", "rflip")    # keep the rotation of the particles
 # Known gains of a turning block, with limits far below the growth of the refused combinations: the force of plain

@@ -39,7 +39,7 @@ import numpy as np
 import bodies
 import case
 
-TRANSFERS = {"flip": "", "pic": "", "apic": "", "aflip": "", "rflip": "", "xpic": " order_k=2", "fmpm": " order_k=2"}
+TRANSFERS = ("flip", "pic", "apic", "aflip", "rflip")
 UPDATES = ("usl", "usf", "musl")
 TARGETS = {"bar": 0.01, "discs": 0.02}
 STEPS = 10000
@@ -58,7 +58,7 @@ DISCS = {("flip", "usl"): ALL, ("flip", "usf"): (PLAIN,),
          ("rflip", "usl"): (LOCAL, "ddmp sub_points", "mpm cpdi", "mpm quadratic", "mpm cubic"),
          ("rflip", "usf"): (PLAIN,),
          ("rflip", "musl"): (PLAIN, "mpm cubic"),
-         **{(transfer, update): ALL for transfer in ("pic", "apic", "xpic", "fmpm") for update in UPDATES}}
+         **{(transfer, update): ALL for transfer in ("pic", "apic") for update in UPDATES}}
 
 
 def reason(kind, transfer, update, problem):
@@ -75,7 +75,7 @@ def misses(kind, transfer, update, problem):
     if problem == "discs":
         return kind in DISCS.get((transfer, update), ())
     if kind == PLAIN:
-        return (transfer, update) not in (("xpic", "usf"), ("fmpm", "usf"))
+        return True
     return kind == LOCAL and update != "usf"
 
 
@@ -109,11 +109,11 @@ def measure(options, figures, only):
     for kind, (method, own) in kinds(options).items():
         if only not in kind:
             continue
-        for transfer, more in TRANSFERS.items():
+        for transfer in TRANSFERS:
             cells = []
             for name, problem in (("bar", bodies.free_bar), ("discs", bodies.two_discs)):
                 for update in UPDATES:
-                    words = f"{own} transfer='{transfer}'{more} stress_update='{update}'"
+                    words = f"{own} transfer='{transfer}' stress_update='{update}'"
                     result = problem(options, "run", method, words, may_fail=True)
                     figures[kind, transfer, update, name] = result
                     cells.append(cell(result))

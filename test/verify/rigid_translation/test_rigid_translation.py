@@ -45,8 +45,7 @@ DECK = """
 """
 
 
-WORDS = ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'", "transfer='xpic'",
-         "transfer='xpic' order_k=5", "transfer='fmpm'", "transfer='fmpm' order_k=5")
+WORDS = ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'")
 
 
 @pytest.mark.parametrize("dimension, method, update, crossings, words", [

@@ -19,13 +19,12 @@ partly filled; the limit is the error of a rim one cell wide without any hoop an
 angular momentum, energy 1 %.
 
 Of the transfers apic and aflip meet the target; flip does not, as its PIC fraction in each of 1000 steps dissipates a
-part of the rotation within a cell: a known miss, held at a tenth per turn. xpic and fmpm dissipate nearly all of it and
-pic all in the same way (doc/theory/verification_bodies.md has the figures); test_transfer.py tests to rounding what a
-step of each conserves.
+part of the rotation within a cell: a known miss, held at a tenth per turn. pic dissipates all of it in the same way
+(doc/theory/verification_bodies.md has the figures); test_transfer.py tests to rounding what a step of each conserves.
 
-Twenty turns (tier long): the same target per turn, radius of gyration within 0.5 %; flip and xpic, known misses, may
-lose all. The stress at the end is a known miss of the limit above, held at half of that at the centre. The plain method
-is the control: its disc must grow by more than the limit; otherwise no cell is crossed.
+Twenty turns (tier long): the same target per turn, radius of gyration within 0.5 %; flip, a known miss, may lose all.
+The stress at the end is a known miss of the limit above, held at half of that at the centre. The plain method is the
+control: its disc must grow by more than the limit; otherwise no cell is crossed.
 """
 # tiers: smoke, full, long
 # timeout long: 2400
@@ -44,7 +43,7 @@ FAR = 2.0 * np.pi * 0.5 * TARGET * np.sqrt(0.5) / 2.0
 CELLS = (4, 6, 7, 10)                  # on the radius
 TURNS = 20
 LONG = {"ddmp": "", "rflip 1": "transfer='rflip' flip=1", "apic": "transfer='apic'", "aflip": "transfer='aflip'"}
-TAKE = {"flip 1": "transfer='flip' flip=1", "flip": "transfer='flip'", "xpic": "transfer='xpic'"}
+TAKE = {"flip 1": "transfer='flip' flip=1", "flip": "transfer='flip'"}
 
 
 def rim(spacing):
@@ -104,11 +103,11 @@ def test_transfers(options, sheet):
 def test_transfer_table(options, sheet):
     """The transfers that lose angular momentum, with ten cells on the radius: each loses more than the one before."""
     drifts = [turn(options, f"transfer_{name}", words=f"transfer='{name}'")["drift"]
-              for name in ("apic", "aflip", "flip", "fmpm", "xpic")]
+              for name in ("apic", "aflip", "flip", "pic")]
     for name, drift in zip(("apic", "aflip"), drifts):
         sheet.below(f"{name}: angular momentum in a turn", drift, TARGET)
-    sheet.require(abs(drifts[1]) < abs(drifts[2]) < abs(drifts[3]) < abs(drifts[4]) < 1.0,
-                  "flip, fmpm and xpic lose more and more angular momentum")
+    sheet.require(abs(drifts[1]) < abs(drifts[2]) < abs(drifts[3]) <= 1.001,
+                  "flip and pic lose more and more angular momentum")
 
 
 def radius(snap):
