@@ -188,11 +188,11 @@ FIXED = """&run dimension = 'plane_strain' /
 
 SITUATIONS = {
     # fixed time steps
-    "D231": {
+    "D230": {
         "files": {"scene.nml": FIXED}, "shows": "&time t_end = 1e-3  dt_fixed = 3e-5 /", "commands": [CHECK],
         "right": "&time t_end = 1e-3  dt_fixed = 7e-6 /",
         "right_files": {"scene.nml": FIXED.replace("3e-5", "7e-6")}},
-    "D232": {
+    "D231": {
         "files": {"scene.nml": FIXED.replace("3e-5", "1.4e-5")}, "shows": "&time t_end = 1e-3  dt_fixed = 1.4e-5 /",
         "commands": [CHECK], "right": "&time t_end = 1e-3  dt_fixed = 7e-6 /",
         "right_files": {"scene.nml": FIXED.replace("3e-5", "7e-6")}},

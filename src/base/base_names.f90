@@ -30,10 +30,10 @@ contains
          call read_character(text, at, code, last)
          if (code == malformed) then
             problem = "has bytes that are not UTF-8 text, the first one at place "//number(at)// &
-               "; save the file as UTF-8 [D233]"
+               "; save the file as UTF-8 [D232]"
          else if (code < 32 .or. (code >= 127 .and. code < 160)) then
             problem = "has a control character, number "//number(code)//" at place "//number(at)// &
-               "; only printable characters are allowed [D233]"
+               "; only printable characters are allowed [D232]"
          end if
          at = last + 1
       end do

@@ -47,11 +47,11 @@ contains
       if (dt > limit*(1.0_wp + rounding)) then
          call deck%add_error(group, "dt_fixed is above the stability limit of the first state, "// &
             deck%shown(limit, "s")//cause//"; write dt_fixed = "//instead//" or less, remove "// &
-            "it, so that cfl sets the step, or continue with --force [D231]", "dt_fixed")
+            "it, so that cfl sets the step, or continue with --force [D230]", "dt_fixed")
       else if (dt > sure*(1.0_wp + rounding)) then
          call deck%warn(group, "dt_fixed is "//brief(dt/limit)//" times the stability limit of "// &
             "the first state, "//deck%shown(limit, "s")//cause//"; dt_fixed = "//instead// &
-            " is that of cfl = 0.4 [D232]", "dt_fixed")
+            " is that of cfl = 0.4 [D231]", "dt_fixed")
       end if
    end subroutine check_fixed_step
 end module run_fixed_step

@@ -57,7 +57,7 @@ def test_limit(options, sheet, method, refused, accepted):
         text = " ".join(run.run(*words, expect=2).output.split())
         found = re.search(rf"{run.deck.name}:3: error: &time: dt_fixed is above the stability limit of the first "
                           r"state, (\S+); write dt_fixed = (\S+) or less", text)
-        sheet.require(found is not None and "[D231]" in text, f"{method}: refused: {text}")
+        sheet.require(found is not None and "[D230]" in text, f"{method}: refused: {text}")
     limit, instead = (float(word.rstrip(";")) for word in found.groups())
     sheet.near(f"{method}: limit over h/c", limit / CROSSING, 0.96 if method == "ddmp" else 1.0, 1e-3)
     sheet.near(f"{method}: step to write over h/c", instead / CROSSING, 0.4, 1e-3)
@@ -71,7 +71,7 @@ def test_close(options, sheet):
     """Between the greatest step that is stable with all options and the limit there is a warning."""
     run = case.Case(options, "close", deck("ddmp", 0.9)).run("--check")
     said = "warning: &time: dt_fixed is 0.9375 times the stability limit"
-    sheet.require(said in run.output and "[D232]" in run.output, f"warned: {run.output}")
+    sheet.require(said in run.output and "[D231]" in run.output, f"warned: {run.output}")
 
 
 def test_unstable(options, sheet):

@@ -95,15 +95,16 @@ contains
       else if (unknown /= "") then
          fault = "'"//unknown//"' is accepted"
       else
-         call read_echo(schema, folder, setup, fault)
+         call read_echo(schema, folder, setup, index(text, "&grains") > 0, fault)
       end if
    end subroutine look_at
 
    !> Check that an echo reads back to the same echo.
-   subroutine read_echo(schema, folder, setup, fault)
+   subroutine read_echo(schema, folder, setup, grains, fault)
       type(schema_t), intent(in) :: schema           !! What is allowed
       character(len=*), intent(in) :: folder         !! Where to write
       type(run_setup_t), intent(in) :: setup               !! Without errors
+      logical, intent(in) :: grains                  !! True for a deck of --grains
       character(len=:), allocatable, intent(inout) :: fault !! What does not hold, or empty
       type(run_setup_t) :: again
       type(error_t), allocatable :: error
@@ -111,8 +112,7 @@ contains
 
       echo = setup%deck%echo()
       call write_bytes(folder//"/deck.nml", echo)
-      call read_scene(schema, folder//"/deck.nml", index(echo, "&grains") > 0, &
-         most_points, again, error)
+      call read_scene(schema, folder//"/deck.nml", grains, most_points, again, error)
       if (allocated(error)) then
          fault = "the echo is refused: "//error%message
          return
