@@ -19,6 +19,10 @@ FAMILIES = {"law": "material", "eos": "material", "damage": "material", "basis":
 # Dummy arguments that need no docstring, because type and name are sufficient: derived types, and these names.
 DERIVED = re.compile(r"^(?:type|class)\s*\(", re.I)
 PLAIN_NAMES = {"body", "edge", "key", "label", "line", "name", "p", "path", "point", "text", "tile", "unit"}
+# Sums of reals in vectors whose order does not matter: whole numbers, and one that is only checked to be finite.
+EXACT_IN_ANY_ORDER = {("damage_johnson_cook", "flowing"), ("law_johnson_cook", "number"),
+                      ("law_steinberg_guinan", "number"), ("material_tension", "number"), ("step_bounds", "bad"),
+                      ("step_bounds", "fast"), ("step_bounds", "load"), ("step_bounds", "steep")}
 SOURCES = project_files(".f90", under="src")
 # Names and saved variables of mpi_f08 follow the MPI standard.
 MODULES = [Module(path) for path in SOURCES if path.name not in ("main.f90", "mpi_f08.f90")]
@@ -221,6 +225,24 @@ class TestFortranGate:
                     offences.append(f"{place(path, number)} has no default(none)")
                 if "reduction(" in found.group(0) and re.search(r"reduction\(\+", found.group(0)):
                     offences.append(f"{place(path, number)} sums in an order that threads decide")
+        self.none(offences)
+
+    def test_vectors_sum_no_reals(self):
+        """The last bits of such a sum depend on the number of reals in a vector of the processor."""
+        offences, sums = [], 0
+        for path in SOURCES:
+            text = path.read_text(encoding="utf-8").lower()
+            for found in re.finditer(r"^\s*!\$omp [^\n]*\bsimd\b.*(?:&\n\s*!\$omp.*)*", text, re.M):
+                number = text.count("\n", 0, found.start() + 1) + 1
+                for names in re.findall(r"reduction\s*\(\s*[+*-]\s*:([^)]*)\)", found.group(0)):
+                    for name in re.findall(r"\w+", names):
+                        declared = re.findall(rf"^\s*(?:\w+ )*(integer|real|complex)\b[^!\n]*\b{name}\b",
+                                              text[:found.start()], re.M)
+                        sums += 1
+                        if declared[-1:] != ["integer"] and (path.stem, name) not in EXACT_IN_ANY_ORDER:
+                            offences.append(f"{place(path, number)} sums {name} in an order that the processor "
+                                            "decides; see add_products of base_lane_sum")
+        assert sums > 5, "counts of particles are sums in vectors"
         self.none(offences)
 
     def test_no_fast_math(self):

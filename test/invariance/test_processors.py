@@ -4,9 +4,10 @@
 # cores: 2
 """One program for all x86-64 processors, -DSCREE_ARCH=dispatch: installed, moved, and run as on older processors.
 
-Would catch: kernels that give other bits when compiled for another processor; a library for a processor that is not
-installed, or that the loader or the package scree does not select; instructions that the first library must not use,
-because older processors do not have them; a program that needs its build tree.
+Would catch: kernels that give other bits when compiled for another processor, as the sums over the particles of a tile
+did with turn_from = 'tiles'; a library for a processor that is not installed, or that the loader or the package scree
+does not select; instructions that the first library must not use, because older processors do not have them; a program
+that needs its build tree.
 """
 
 import os
@@ -57,6 +58,11 @@ BALLS = """
 &body  name='two'  region='two'  material='rubber'  velocity=-9,-6,4 /
 """
 
+# Particles get the rotation of the tiles, and keep a part of their own velocity.
+TURNING = """
+&method  transfer='rflip'  turn_from='tiles'  stress_update='usavg'  flip=0.99 /
+"""
+
 METAL = """
 &run  dimension='3d' /
 &grid  lo=-5,-5,0  hi=5,5,12  dx=0.5 /
@@ -71,10 +77,11 @@ METAL = """
 
 
 def scenes():
-    """Names and decks: elastic, a shock with energy and failure, friction, brittle failure, plastic metal."""
+    """Names and decks: elastic, shock with energy and failure, friction, rotation of tiles, brittle failure, metal."""
     decks = {name: deck for name, deck, _ in layouts.decks()}
     for method in ("ddmp", "mpm"):
         decks[f"balls_{method}"] = BALLS.format(method=method)
+    decks["turning"] = BALLS.format(method="mpm") + TURNING
     return {**decks, "brittle": BRITTLE, "metal": METAL}
 
 

@@ -9,6 +9,7 @@
 !! linearly over the edge of a tile. Equation (T.8) of doc/theory/transfers.md.
 module step_tile_rotation
    use base_kinds, only: wp
+   use base_lane_sum, only: add_products
    use mesh_patch, only: assemble, clear_patch, ensure_patch, extent_of
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
@@ -106,10 +107,7 @@ contains
          do corner = 1, corners
             do column = 1, columns
                total = 0.0_wp
-               !$omp simd reduction(+:total)
-               do p = 1, count
-                  total = total + value(p, column)*weight(p, corner)
-               end do
+               call add_products(count, value(:, column), weight(:, corner), total)
                sums(column, corner) = sums(column, corner) + total
             end do
          end do

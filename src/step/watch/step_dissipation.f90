@@ -62,19 +62,18 @@ contains
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: moved(:, :) !! (particle of the tile, 3) c [m/s]
       real(wp), intent(in) :: keep                   !! FLIP fraction f [1]
-      real(wp) :: taken, lost
+      real(wp) :: taken(3), lost
       integer :: p, q, k
 
       taken = 0.0_wp
       do k = 1, 3
-         !$omp simd reduction(+:taken) private(q, lost)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             lost = (1.0_wp - keep)/keep*(store%velocity(q, k) - moved(p, k))
-            taken = taken + store%state%mass(q)*lost*(store%velocity(q, k) + 0.5_wp*lost)
+            taken(k) = taken(k) + store%state%mass(q)*lost*(store%velocity(q, k) + 0.5_wp*lost)
          end do
       end do
-      call record_damped(ledger, taken)
+      call record_damped(ledger, sum(taken))
    end subroutine record_damping
 
    !> Record the energy removed by the PIC fraction.
