@@ -7,6 +7,7 @@ module run_cost_report
    use material_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
    use particle_body, only: body_t
+   use particle_disks, only: disks_t
    use particle_joined, only: find_joined, joined_t
    use run_expected_steps, only: expected_steps, find_first_step
    use run_limits, only: limits_t
@@ -41,7 +42,7 @@ contains
       steps = expected_steps(simulation, bodies, limits)
       bytes = memory_bytes(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//particles_text(bodies, survey) &
-         //fields_text(simulation, survey)
+         //disks_text(simulation, bodies, survey)//fields_text(simulation, survey)
       if (allocated(simulation%effects%contact)) text = text//contact_text(simulation, bodies)
       text = text//joined_text(simulation, bodies)
       text = text//sticking_text(simulation, bodies)
@@ -54,6 +55,28 @@ contains
          *real(survey%particles, wp)*snapshot_bytes)//"; a checkpoint "// &
          size_text(checkpoint_bytes(simulation, survey))//new_line("a")
    end function cost_report
+
+   !> A line for each body whose particles are random with a least distance.
+   function disks_text(simulation, bodies, survey) result(text)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
+      type(survey_t), intent(in) :: survey
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = ""
+      do n = 1, size(bodies)
+         if (.not. allocated(bodies(n)%given)) cycle
+         select type (given => bodies(n)%given)
+         type is (disks_t)
+            text = text//"disks      "//bodies(n)%name//": "//number(survey%body(n))// &
+               " points at least "//brief(given%distance*simulation%space%grid%spacing)//" m apart"
+            if (.not. simulation%space%grid%axisymmetric) &
+               text = text//", "//brief(bodies(n)%share)//" m3 each"
+            text = text//new_line("a")
+         end select
+      end do
+   end function disks_text
 
    !> Size of a checkpoint [byte].
    real(wp) function checkpoint_bytes(simulation, survey) result(bytes)
