@@ -11,6 +11,7 @@ linked with the libraries of the build. Nothing else of the sources is touched.
 import json
 import math
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -84,7 +85,7 @@ class Extension:
 
     def compile(self, source, like):
         """Compile a file as the build compiles another one; modules of this copy come first."""
-        words = self.commands[like]["command"].split()
+        words = shlex.split(self.commands[like]["command"])
         target = self.work / (source.stem + ".o")
         words[words.index("-o") + 1] = str(target)
         words[words.index("-c") + 1] = str(source)
@@ -126,7 +127,7 @@ class Extension:
         else:
             line = next(path.read_text(encoding="utf-8") for path in self.build.rglob("link.txt")
                         if path.parent.name == f"{Path(target).name}.dir")
-        words = next(part for part in line.split("&&") if " -o " in part).split()
+        words = shlex.split(next(part for part in line.split("&&") if " -o " in part))
         file = self.work / Path(target).name
         words[words.index("-o") + 1] = str(file)
         first = next(n for n, word in enumerate(words) if word.endswith(".o"))
