@@ -20,7 +20,7 @@ contains
    pure subroutine add_products(number, a, b, total)
       integer, intent(in) :: number                        !! Number of products
       real(wp), intent(in) :: a(number), b(number)         !! Factors
-      real(wp), intent(inout) :: total                     !! The sum
+      real(wp), intent(inout) :: total                     !! Increased by the sum of the products
       real(wp) :: lane(lanes)
       integer :: whole, i, p
 
