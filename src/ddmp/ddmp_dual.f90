@@ -13,6 +13,7 @@
 !! little mass for the stress of the latter and would be unstable at any useful time step. Equations
 !! (M.3) and (M.14) of doc/theory/method.md.
 module ddmp_dual
+   use base_constants, only: pi
    use base_kinds, only: wp
    use ddmp_operator, only: dual_operator_t, force_plane, force_space, gradient_plane, &
       gradient_space
@@ -23,6 +24,8 @@ module ddmp_dual
    public :: dual_t
 
    real(wp), parameter :: contrast = 4.0_wp          !! Densities of nodes over each other [1]
+   integer, parameter :: half = lanes/2              !! Nodes of a cell in a plane
+   integer, parameter :: hoop = 5                    !! Row of the hoop component of a tensor
    integer, parameter, public :: surface_fill = 1    !! By the least fill of its nodes
    integer, parameter, public :: surface_cells = 2   !! 1 in cells without an empty node, else 0
    integer, parameter, public :: surface_none = 3    !! 1 in all cells
@@ -33,6 +36,7 @@ module ddmp_dual
    type :: dual_t
       integer :: columns = 1                         !! Cells along x with different integrals
       integer :: surface = surface_fill              !! Rule of the weights, one of those above
+      logical :: hoops = .false.                     !! Does the node stress have a hoop component?
       real(wp) :: enough = 0.5_wp                    !! Fill of a node that counts as full
       type(dual_operator_t) :: products                    !! D_ji as products
       real(wp), allocatable :: volume(:, :)          !! (j, column) V_j [m3]
@@ -42,6 +46,8 @@ module ddmp_dual
       procedure :: add_volume => dual_add_volume     !! V_j of a tile
       procedure :: add_force => dual_add_force       !! Force of the node stress
       procedure :: add_gradient => dual_add_gradient !! Node gradient before division by V_j
+      procedure :: add_hoop_force => dual_add_hoop_force !! Radial force of the node hoop stress
+      procedure :: add_hoop_rate => dual_add_hoop_rate !! Node hoop strain before division by V_j
    end type dual_t
 
 contains
@@ -201,6 +207,60 @@ contains
             weight, velocity, patch)
       end if
    end subroutine dual_add_gradient
+
+   !> Add the radial force of the hoop stress of the nodes, - sum_j sigma_j int_c S_j S_i / r dv, of
+   !! the cells of a tile to a patch; the ring is 2 pi r thick, so the integrals are those of a plane.
+   !! Equation (Q.5) of doc/theory/quadratures.md.
+   pure subroutine dual_add_hoop_force(self, grid, weight, stress, patch)
+      class(dual_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
+      real(wp) :: sums(half)
+      integer :: cell, node(half)
+
+      do cell = 0, grid%tile_cells - 1
+         if (.not. weight(cell) > 0.0_wp) cycle
+         node = grid%first_node(cell) + grid%lane_offset(:half)
+         sums = hoop_sums(grid, weight(cell), stress(hoop, node))
+         patch(1, node) = patch(1, node) - sums
+      end do
+   end subroutine dual_add_hoop_force
+
+   !> Add sum_i u_ir int_c S_j S_i / r dv of the cells of a tile to the hoop component of a patch:
+   !! the transpose of the force of the hoop stress.
+   pure subroutine dual_add_hoop_rate(self, grid, weight, velocity, patch)
+      class(dual_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
+      real(wp) :: sums(half)
+      integer :: cell, node(half)
+
+      do cell = 0, grid%tile_cells - 1
+         if (.not. weight(cell) > 0.0_wp) cycle
+         node = grid%first_node(cell) + grid%lane_offset(:half)
+         sums = hoop_sums(grid, weight(cell), velocity(1, node))
+         patch(hoop, node) = patch(hoop, node) + sums
+      end do
+   end subroutine dual_add_hoop_rate
+
+   !> Integrals of the product of each function of a cell with a linear one, in a plane of 2 pi.
+   pure function hoop_sums(grid, weight, values) result(sums)
+      type(grid_t), intent(in) :: grid
+      real(wp), intent(in) :: weight                 !! Of the cell [1]
+      real(wp), intent(in) :: values(half)           !! On the nodes of the cell
+      real(wp) :: sums(half)
+      real(wp) :: share
+
+      share = weight*2.0_wp*pi*(grid%spacing/6.0_wp)**2
+      sums(1) = share*(4.0_wp*values(1) + 2.0_wp*(values(2) + values(3)) + values(4))
+      sums(2) = share*(4.0_wp*values(2) + 2.0_wp*(values(1) + values(4)) + values(3))
+      sums(3) = share*(4.0_wp*values(3) + 2.0_wp*(values(1) + values(4)) + values(2))
+      sums(4) = share*(4.0_wp*values(4) + 2.0_wp*(values(2) + values(3)) + values(1))
+   end function hoop_sums
 
    !> Index of the integrals of a cell.
    pure integer function column_of(self, grid, coordinate, cell) result(column)

@@ -21,7 +21,6 @@ module ddmp_quadrature
    contains
       procedure :: margin => quadrature_margin       !! Layers of nodes reached beyond a tile
       procedure :: controlled => quadrature_controlled !! Is a mean stress integrated exactly?
-      procedure :: differing => quadrature_differing !! Is the force of stress differences?
       procedure :: is_plain => quadrature_is_plain   !! Does it need no other particles?
       procedure :: suits_cell => quadrature_suits_cell !! May the mesh deform with its cell?
       procedure :: needs_split => quadrature_needs_split !! Does it need the split form of alpha?
@@ -89,20 +88,12 @@ contains
       controlled = .false.
    end function quadrature_controlled
 
-   !> True if the force at each node is exact for uniform stress, and the point rule acts on the
-   !! difference from the mean stress of that node.
-   pure logical function quadrature_differing(self) result(differing)
-      class(quadrature_t), intent(in) :: self
-
-      differing = .false.
-   end function quadrature_differing
-
    !> True if the rule evaluates the whole stress of a particle in its own cell: only this allows a
    !! second velocity of a body, and sums that are divided by those of the weights.
    pure logical function quadrature_is_plain(self) result(yes)
       class(quadrature_t), intent(in) :: self
 
-      yes = .not. (self%controlled() .or. self%differing() .or. self%margin() > 0)
+      yes = .not. (self%controlled() .or. self%margin() > 0)
    end function quadrature_is_plain
 
    !> May the mesh deform with a periodic cell?

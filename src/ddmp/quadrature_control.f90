@@ -3,8 +3,9 @@
 !! of the nodes; the mean stress is a linear function in each cell and is integrated exactly on the
 !! grid (a control variate). Particle positions then affect only the small difference, so quadrature
 !! errors decrease with the cell size, and uniform stress gives no force inside a body for any
-!! particle positions. Momentum is conserved exactly, as the sum over nodes of both parts vanishes;
-!! the power of the force is not exactly that of the stress.
+!! particle positions. Momentum is conserved exactly, as the sum over nodes of both parts vanishes.
+!! The strain is the adjoint of the force (`src/step/core/step_mean_strain.f90`), so its power is
+!! that of the stress, and the volumes of particles in full cells change by those of the space.
 !!
 !! The idea of a stress difference is that of A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys.
 !! (2023) 112681, whose form does not conserve momentum. Equation (Q.3) of
@@ -21,7 +22,6 @@ module quadrature_control
    contains
       procedure :: margin => control_margin          !! Nodes beyond a tile that are used
       procedure :: controlled => control_controlled  !! The mean stress is subtracted
-      procedure :: suits_cell => control_suits_cell  !! It integrates on a mesh at rest
    end type quadrature_control_t
 
 contains
@@ -39,11 +39,4 @@ contains
 
       controlled = .true.
    end function control_controlled
-
-   !> The mean stress is integrated on a mesh at rest.
-   pure logical function control_suits_cell(self) result(yes)
-      class(quadrature_control_t), intent(in) :: self
-
-      yes = .false.
-   end function control_suits_cell
 end module quadrature_control

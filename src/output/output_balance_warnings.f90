@@ -113,8 +113,6 @@ contains
       remedy = "find the step at which the error begins in the history"
       if (method%surface /= surface_fill) remedy = "a cell with an empty node exerts a force "// &
          "where there is no mass; write free_surface = 'fill' in &method"
-      if (method%differing()) remedy = "a different mean stress is subtracted at each node; "// &
-         "write quadrature = 'point' in &method"
       write (share, "(es8.1)") abs(trust%worst(trust_momentum))
       call log%warn("warning: momentum is not conserved, error"//trim(share)//" of the "// &
          "greatest sum of m |v|: "//remedy//" [R127]")

@@ -15,7 +15,7 @@ module run_cost_report
    use scene_particles, only: survey_t
    use step_contact, only: dissipation_after_remap
    use step_move_nodes, only: records_later
-   use step_node_fields, only: difference_columns, mean_columns, node_needs_t, node_tally_t
+   use step_node_fields, only: mean_columns, node_needs_t, node_tally_t
    use step_normalised_sums, only: counted_columns, normal_columns
    use step_particles_to_nodes, only: may_be_lean, tensor_rows, vector_rows
    use step_simulation, only: simulation_t
@@ -291,9 +291,10 @@ contains
          needs%later = records_later(space, scheme, effects)
          if (method%remaps()) needs%extra = merge(4, 3, &
             method%transfer%affine() .and. .not. method%averages())
-         if (method%controlled()) needs%mean = mean_columns
-         needs%differs = method%differing()
-         if (needs%differs) needs%mean = difference_columns
+         if (method%controlled()) then
+            needs%mean = mean_columns
+            needs%strain = 9*scheme%gradients()
+         end if
          needs%rigid = allocated(space%rigid)
          if (allocated(scheme%normalises)) then
             needs%counted = counted_columns(scheme, simulation%stores)

@@ -59,6 +59,8 @@ contains
       allocate (simulation%scratch(0:omp_get_max_threads() - 1))
       if (simulation%scheme%method%dual) then
          simulation%scheme%dual%surface = simulation%scheme%method%surface
+         simulation%scheme%dual%hoops = simulation%space%grid%axisymmetric .and. &
+            simulation%scheme%method%controlled()
          call simulation%scheme%dual%start(simulation%space%grid)
       end if
       call partition_keys(none, none, simulation%machine%communicator%size, border)

@@ -9,7 +9,7 @@ module scene_method
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
    use scene_method_defaults, only: set_method_defaults, unseen_usual
-   use scene_dimension, only: is_axisymmetric, is_dual
+   use scene_dimension, only: is_dual
    use step_method, only: method_t, position_of, stress_after, stress_names
    use transfer_basis, only: basis_t
    use transfer_catalogue, only: basis_names, choose_basis, choose_velocity, velocity_names
@@ -156,7 +156,6 @@ contains
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions [D311]", &
          "basis")
       if (method%dual) call read_dual(method, deck, group)
-      if (method%controlled() .or. method%differing()) call refuse_axis(deck, group, quadrature)
       call group%get("stress_update", word)
       method%stress = max(position_of(word, stress_names), 1)
       if (method%averages()) call group%get("unseen_strain", method%unseen)
@@ -238,16 +237,4 @@ contains
       call group%get("paper", paper)
       method%leapfrog = .not. paper
    end subroutine read_dual
-
-   !> Refuse rules without hoop stress in an axisymmetric scene: they would subtract a stress from
-   !! the particles and restore it without its hoop component.
-   subroutine refuse_axis(deck, group, quadrature)
-      type(deck_t), intent(inout) :: deck
-      type(group_t), intent(in) :: group             !! &method
-      character(len=*), intent(in) :: quadrature     !! Word of the rule
-
-      if (is_axisymmetric(deck)) call deck%add_error(group, "quadrature = '"//quadrature// &
-         "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point' [D345]", &
-         "quadrature")
-   end subroutine refuse_axis
 end module scene_method

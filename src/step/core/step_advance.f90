@@ -14,6 +14,7 @@ module step_advance
    use step_dual_gradient, only: apply_dual_gradient
    use step_heat_flux, only: add_artificial_heat_flux
    use step_ledger, only: external_work
+   use step_mean_strain, only: find_mean_strain
    use step_mean_stress, only: find_mean_stress
    use step_method, only: stress_before
    use step_move_nodes, only: find_remapped_velocities, finish_node_motion, move_nodes, &
@@ -26,7 +27,6 @@ module step_advance
    use step_sides, only: find_sides
    use step_simulation, only: simulation_t, velocity_field_t
    use step_sort_particles, only: count_particles, sort_particles, split_particles
-   use step_stress_difference, only: find_stress_difference
    use step_tile_rotation, only: smooth_tile_rotation
    use step_time_step, only: finish_step
    use step_velocity_remap, only: remap_momentum
@@ -71,7 +71,7 @@ contains
             scheme, effects%conduction, machine, scratch, dt)
          if (method%heat_flux > 0.0_wp) call add_artificial_heat_flux(simulation, dt)
          do n = 1, size(fields)
-            call nodes_to_particles(simulation, fields(n), gather_parts_t(work=scheme%works, &
+            call give_to_particles(simulation, fields(n), gather_parts_t(work=scheme%works, &
                motion=.true., strain=method%stress /= stress_before), dt)
          end do
          ! time, gravity and counters at the end of the step
@@ -132,10 +132,21 @@ contains
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))
          call move_nodes(simulation, simulation%fields(n)%nodes, 0.0_wp)
-         call nodes_to_particles(simulation, simulation%fields(n), gather_parts_t(strain=.true.), &
+         call give_to_particles(simulation, simulation%fields(n), gather_parts_t(strain=.true.), &
             moved)
       end do
    end subroutine strain_before
+
+   !> Nodes to particles, with the strain that belongs to the force.
+   subroutine give_to_particles(simulation, field, parts, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      type(gather_parts_t), intent(in) :: parts      !! Requested parts
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      if (simulation%scheme%method%controlled()) call find_mean_strain(simulation, field, parts)
+      call nodes_to_particles(simulation, field, parts, dt)
+   end subroutine give_to_particles
 
    !> Set the time of explosives to that of the next stress update.
    subroutine set_burn_clock(materials, time)
@@ -163,8 +174,6 @@ contains
          call particles_to_nodes(space, stores, simulation%fields, scheme, simulation%effects, &
             machine, scratch, field)
          if (method%dual) call apply_dual_gradient(space, simulation%fields, scheme, machine, &
-            scratch, field)
-         if (method%differing()) call find_stress_difference(space, stores, scheme, machine, &
             scratch, field)
       end associate
    end subroutine find_forces

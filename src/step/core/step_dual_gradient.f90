@@ -192,6 +192,8 @@ contains
          call space%boundary%mirror(grid, coordinate, stress)
          call clear_patch(force)
          call scheme%dual%add_force(grid, coordinate, dual%weight(:, tile), stress, force)
+         if (scheme%dual%hoops) call scheme%dual%add_hoop_force(grid, dual%weight(:, tile), &
+            stress, force)
          call dual%force%put(grid, dual%weighted, tile, 1, force)
       end associate
    end subroutine force_tile
@@ -248,6 +250,7 @@ contains
       call clear_patch(patch)
       call dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
          dual_nodes%weight(:, tile), velocity, patch)
+      if (dual%hoops) call dual%add_hoop_rate(space%grid, dual_nodes%weight(:, tile), velocity, patch)
       call gradient%put(space%grid, dual_nodes%weighted, tile, 1, patch)
    end subroutine store_gradient
 

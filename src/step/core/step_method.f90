@@ -48,7 +48,6 @@ module step_method
       procedure :: strains_first => method_strains_first !! Is there strain before the force?
       procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
       procedure :: averages => method_averages       !! Is the strain of two velocities?
-      procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: band_width => method_band_width   !! Width of a crack across a cell
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request !! Requests the fields that particles must carry
@@ -95,14 +94,6 @@ contains
       controlled = .false.
       if (allocated(self%quadrature)) controlled = self%quadrature%controlled()
    end function method_controlled
-
-   !> True if the force of each node is corrected for the positions of the particles.
-   pure logical function method_differing(self) result(differing)
-      class(method_t), intent(in) :: self
-
-      differing = .false.
-      if (allocated(self%quadrature)) differing = self%quadrature%differing()
-   end function method_differing
 
    !> Are particles strained before the force acts, with the velocities at their new positions?
    pure logical function method_strains_first(self) result(first)

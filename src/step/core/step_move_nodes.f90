@@ -248,8 +248,6 @@ contains
             call nodes%dual%force%assemble(grid, space%tiles, nodes%dual%weighted, tile, force)
             call add_field(force, acceleration)
          end if
-         if (scheme%method%differing()) acceleration = acceleration &
-            + nodes%stress%difference(:, :, tile)
          call divide_motion(nodes%motion%mass(:, :, slot), velocity, acceleration)
          if (allocated(effects%gravity)) then
             do component = 1, 3

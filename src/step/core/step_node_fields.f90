@@ -12,16 +12,13 @@ module step_node_fields
    use mesh_packed_patch, only: packed_patch_t
    use omp_lib, only: omp_get_thread_num
    use transfer_edges, only: cell_edges
-   use transfer_scatter, only: dual_columns
    implicit none
    private
 
    public :: dual_nodes_t, motion_nodes_t, node_needs_t, node_tally_t, nodes_t, &
       normalised_nodes_t
 
-   integer, parameter, public :: mean_columns = 7    !! Volume and stress times volume
-   !> Columns of the sums for differences of stress: those of the force, and force of unit stress
-   integer, parameter, public :: difference_columns = dual_columns + 3
+   integer, parameter, public :: mean_columns = 8    !! Mass, volume and stress times volume
 
    !> Nodes with less mass or volume than this count as empty. The value is below the contribution
    !! of any particle, and its inverse is finite.
@@ -42,7 +39,7 @@ module step_node_fields
       logical :: later = .false.                     !! Is work recorded after the second mapping?
       integer :: extra = 0                           !! Columns of values that are mapped again
       integer :: mean = 0                            !! Columns of sums for the mean stress
-      logical :: differs = .false.                   !! Differences of stress
+      integer :: strain = 0                          !! Columns of sums for its strain
       integer :: counted = 0                         !! Columns of normalised sums
       integer :: normal = 0                          !! Columns of their factors
       logical :: rigid = .false.                     !! Rigid regions
@@ -98,14 +95,14 @@ module step_node_fields
       procedure :: count => count_dual
    end type dual_nodes_t
 
-   !> Corrections of the stress: mean stress, local stress difference.
+   !> Mean stress, and the strain that belongs to it.
    type :: stress_nodes_t
-      !> Patch (7): volume, stress times volume; (20) for stress differences: the same and the force
-      !! of unit stress
-      real(wp), allocatable :: mean(:, :, :)
+      real(wp), allocatable :: mean(:, :, :) !! Patch (8): mass, volume, stress times volume
       real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
-      real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
-      real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force [N]
+      real(wp), allocatable :: share(:, :, :)        !! (1) Factor of the sums of particles [1/m3]
+      !> Patch (9, 18 or 27): velocity gradients times volume, of the strain, before the step, of
+      !! the work [m3/s]
+      real(wp), allocatable :: strain(:, :, :)
    contains
       procedure :: count => count_stress
    end type stress_nodes_t
@@ -230,8 +227,8 @@ contains
 
       call tally%add(self%mean, needs%mean)
       call tally%add(self%star, merge(6, 0, needs%mean > 0))
-      call tally%add(self%unit, merge(3, 0, needs%differs))
-      call tally%add(self%difference, merge(3, 0, needs%differs))
+      call tally%add(self%share, merge(1, 0, needs%mean > 0))
+      call tally%add(self%strain, needs%strain)
    end subroutine count_stress
 
    !> Count the fields of normalised sums.

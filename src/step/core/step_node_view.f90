@@ -4,7 +4,7 @@
 module step_node_view
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use mesh_patch, only: combine
+   use mesh_patch, only: assemble, combine
    use particle_store, only: store_t
    use step_bounds, only: are_nodes_slow, limiting_gradient
    use step_dissipation, only: measures_damping
@@ -26,6 +26,7 @@ module step_node_view
       logical :: work = .false.                      !! Work of the stress of the force
       logical :: strain = .false.                    !! Strain and stress
       logical :: motion = .false.                    !! Particle velocities, positions and cells
+      logical :: plain = .false.                     !! Without the means that belong to them?
    end type gather_parts_t
 
    !> Kinetic energy lost at the nodes of a tile, for its particles.
@@ -44,6 +45,8 @@ module step_node_view
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle_gradient(:, :) !! (9, node) Of the middle velocity [1/s]
       real(wp), allocatable :: gradient_before(:, :) !! (9, node) Before the step [1/s]
+      !> (9, node) What the means of these three over the particles have too much [1/s]
+      real(wp), allocatable :: surplus(:, :), middle_surplus(:, :), surplus_before(:, :)
       type(loss_view_t) :: loss                      !! Lost kinetic energy
       type(increments_t) :: increments               !! Increments and heat, if gathered at once
       logical :: at_once = .false.                   !! Are they gathered at once?
@@ -90,7 +93,39 @@ contains
          nodes%dual%middle_gradient, view%middle_gradient)
       if (parts%strain .and. scheme%method%averages()) call node_gradient(space, nodes, tile, &
          nodes%dual%gradient_before, view%gradient_before)
+      if (.not. scheme%method%controlled() .or. parts%plain) return
+      if (parts%strain) call find_surplus(space, nodes, tile, 0, view%gradient, view%surplus)
+      if (parts%strain .and. scheme%method%averages()) call find_surplus(space, nodes, tile, 9, &
+         view%gradient_before, view%surplus_before)
+      if (parts%work .and. scheme%works) call find_surplus(space, nodes, tile, &
+         9*(scheme%gradients() - 1), view%middle_gradient, view%middle_surplus)
    end subroutine set_view
+
+   !> What the mean of the gradients of the particles around each node has too much: its sum over
+   !! the particles, less the exact one of the grid. Equation (Q.4) of doc/theory/quadratures.md.
+   subroutine find_surplus(space, nodes, tile, before, gradient, surplus)
+      type(space_t), intent(in) :: space
+      type(nodes_t), intent(in) :: nodes
+      integer, intent(in) :: tile
+      integer, intent(in) :: before                  !! Columns of the sums before this gradient
+      real(wp), intent(in) :: gradient(:, :)         !! (9, node) Of the grid [1/s]
+      real(wp), allocatable, intent(inout) :: surplus(:, :) !! (9, node) [1/s]
+      real(wp) :: total(size(nodes%stress%strain, 1), space%grid%tile_nodes)
+      integer :: node, k
+
+      if (.not. allocated(surplus)) allocate (surplus(9, space%grid%tile_nodes))
+      call assemble(space%grid, space%tiles, nodes%stress%strain, tile, total)
+      associate (share => nodes%stress%share(1, :, tile), &
+         volume => nodes%dual%volume(1, :, nodes%motion%slot(tile)))
+         do node = 1, size(surplus, 2)
+            do k = 1, 9
+               surplus(k, node) = share(node)*(total(before + k, node) &
+                  - volume(node)*gradient(k, node))
+            end do
+         end do
+      end associate
+      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), surplus)
+   end subroutine find_surplus
 
    !> Find which velocity gradients can limit the next step, and whether any node gradient is that
    !! steep. Node velocities alone decide this only where gradients are those of shape functions.

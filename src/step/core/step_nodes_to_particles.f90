@@ -149,7 +149,7 @@ contains
          effects => simulation%effects, store => simulation%stores(index), &
          clock => simulation%clock)
          call find_gradient(space, method, scratch, store, tile, view%middle_velocity, &
-            view%middle_gradient, clock%kick, .true.)
+            view%middle_gradient, view%middle_surplus, clock%kick, .true.)
          if (other%slot > 0) call add_gradient(space%grid, simulation%stores, field%sides, &
             scratch, index, tile, other%middle_velocity - view%middle_velocity, clock%kick)
          if (allocated(store%state%energy)) call add_work(scratch, store, tile)

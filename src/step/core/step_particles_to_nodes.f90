@@ -21,7 +21,7 @@ module step_particles_to_nodes
    implicit none
    private
 
-   public :: find_loads, locate_particles, locate_particles_plainly, may_be_lean, nodes_seen, &
+   public :: copy_stress, find_loads, locate_particles, locate_particles_plainly, may_be_lean, nodes_seen, &
       particles_to_nodes, tensor_rows, vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
@@ -137,8 +137,7 @@ contains
       associate (method => scheme%method)
          lean = .not. (scheme%keeps_nodes .or. allocated(effects%contact) .or. &
             allocated(effects%exact) .or. scheme%repacks .or. &
-            allocated(scheme%normalises) .or. method%controlled() .or. method%differing() .or. &
-            method%remaps())
+            allocated(scheme%normalises) .or. method%controlled() .or. method%remaps())
       end associate
    end function may_be_lean
 
@@ -184,6 +183,7 @@ contains
       do l = 1, 3
          kept(3*l - 2:3*l) = grid%active .and. grid%active(l)
       end do
+      kept(5) = kept(5) .or. grid%axisymmetric
    end function tensor_rows
 
    !> One tile.
@@ -276,7 +276,12 @@ contains
          if (allocated(effects%loads)) call find_loads(space, effects, scratch, store, tile)
          if (method%even .or. method%controlled() .or. allocated(effects%loads) .or. &
             allocated(space%cell)) then
-            call change_stress(space, scheme%method, field%nodes, scratch, store, tile)
+            call copy_stress(space, scheme%method, scratch, store, tile)
+            if (method%controlled()) then
+               call method%basis%gather_values(grid, shape, field%nodes%stress%star(:, :, tile), &
+                  shape%values)
+               call scratch%pushed%subtract(store%count(tile), shape%values)
+            end if
             if (allocated(effects%loads)) call scratch%pushed%subtract(store%count(tile), &
                scratch%pushed%load)
             call scatter_force(space%grid, scheme%method, shape, 1, scratch%pushed%position, &
@@ -303,30 +308,24 @@ contains
       end associate
    end subroutine scatter_store
 
-   !> The stress that the particles of a tile scatter to the nodes, where it differs from the
-   !! particle stress.
-   subroutine change_stress(space, method, nodes, scratch, store, tile)
+   !> Copy the stress and the volume of the particles of a tile that make the force, where they may
+   !! differ from those of the particles.
+   subroutine copy_stress(space, method, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(method_t), intent(in) :: method
-      type(nodes_t), intent(in) :: nodes
-      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread; gets the copy
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
-      associate (grid => space%grid, start => store%cell_start(:, tile), &
-         pushed => scratch%pushed, shape => scratch%shape)
+      associate (pushed => scratch%pushed)
          call pushed%copy(store%first(tile), store%count(tile), store%position, &
             store%state%volume, store%state%stress)
-         if (method%even) call average_pressure(grid, start, pushed%volume, pushed%stress)
-         if (method%controlled()) then
-            call method%basis%gather_values(grid, shape, nodes%stress%star(:, :, tile), &
-               shape%values)
-            call pushed%subtract(store%count(tile), shape%values)
-         end if
+         if (method%even) call average_pressure(space%grid, store%cell_start(:, tile), &
+            pushed%volume, pushed%stress)
          if (allocated(space%cell)) call space%cell%pull_back(store%count(tile), pushed%volume, &
             pushed%stress)
       end associate
-   end subroutine change_stress
+   end subroutine copy_stress
 
    !> Force of the stress of the particles of a tile.
    subroutine scatter_force(grid, method, shape, first, position, volume, stress, patch)

@@ -177,6 +177,8 @@ module step_simulation
       logical :: erosion = .false.                   !! Are failed particles removed?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       logical :: works = .false.                     !! Is work of stress or loads computed?
+   contains
+      procedure :: gradients => scheme_gradients     !! Number of velocity gradients of a step
    end type scheme_t
 
    !> Physical effects in addition to stress. Those that a scene does not use are not allocated.
@@ -254,6 +256,14 @@ module step_simulation
    end type simulation_t
 
 contains
+
+   !> Number of velocity gradients that the particles use in a step: of the strain, of the velocity
+   !! before the step (usavg), and of the work.
+   pure integer function scheme_gradients(self) result(number)
+      class(scheme_t), intent(in) :: self
+
+      number = 1 + merge(1, 0, self%method%averages()) + merge(1, 0, self%works)
+   end function scheme_gradients
 
    !> Time limit for displacements on the mesh, from that for displacements in space: the same,
    !! unless the cell deforms [s].

@@ -23,7 +23,7 @@ module step_strain_particles
    implicit none
    private
 
-   public :: add_gradient, affine_from_strain, find_gradient, strain_particles
+   public :: add_gradient, affine_from_strain, find_gradient, gather_gradient, strain_particles
 
 contains
 
@@ -47,7 +47,8 @@ contains
          deformation%plane = grid%dimensions < 3
          if (method%averages()) then
             call find_gradient(simulation%space, method, scratch, store, tile, &
-               motion%velocity(:, :, view%slot), view%gradient_before, simulation%clock%dt, .false.)
+               motion%velocity(:, :, view%slot), view%gradient_before, view%surplus_before, &
+               simulation%clock%dt, .false.)
             call centre_backward(n, deformation%plane, deformation%gradient)
             call keep_earlier(n, deformation%gradient, scratch%half_strain)
          end if
@@ -103,7 +104,7 @@ contains
       associate (space => simulation%space, stores => simulation%stores, &
          mine => field%nodes%motion)
          call find_gradient(space, simulation%scheme%method, scratch, stores(index), tile, &
-            mine%strain(:, :, view%slot), view%gradient, dt, .false.)
+            mine%strain(:, :, view%slot), view%gradient, view%surplus, dt, .false.)
          if (.not. field%other > 0) return
          associate (theirs => simulation%fields(field%other)%nodes%motion)
             difference = theirs%strain(:, :, tile) - mine%strain(:, :, tile)
@@ -113,7 +114,8 @@ contains
    end subroutine find_strain
 
    !> Velocity gradient times the time step at the particles of a tile.
-   subroutine find_gradient(space, method, scratch, store, tile, velocity, gradient, dt, works)
+   subroutine find_gradient(space, method, scratch, store, tile, velocity, gradient, surplus, dt, &
+      works)
       type(space_t), intent(in) :: space
       type(method_t), intent(in) :: method
       type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
@@ -121,19 +123,22 @@ contains
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Node gradient, if dual [1/s]
+      real(wp), allocatable, intent(in) :: surplus(:, :) !! (9, node) Of its means, if any [1/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
       logical, intent(in) :: works                   !! For the work of the stress, not the strain?
+      integer :: p, k
 
       associate (grid => space%grid, shape => scratch%shape, start => store%cell_start(:, tile))
-         if (method%dual) then
-            call method%quadrature%gather_gradient(grid, shape, velocity, gradient, dt, &
-               scratch%deformation%gradient)
-         else
-            call method%basis%gather_gradient(grid, shape, velocity, dt, &
-               scratch%deformation%gradient)
+         call gather_gradient(grid, method, scratch, store, tile, velocity, gradient, dt)
+         if (method%controlled()) then
+            call method%basis%gather_values(grid, shape, surplus, shape%values)
+            do k = 1, 9
+               do p = 1, store%count(tile)
+                  scratch%deformation%gradient(p, k) = scratch%deformation%gradient(p, k) &
+                     - dt*shape%values(p, k)
+               end do
+            end do
          end if
-         if (grid%axisymmetric) call method%basis%gather_hoop(grid, shape, store%first(tile), &
-            store%position, velocity, dt, scratch%deformation%gradient)
          if (allocated(space%cell)) then
             if (works) then
                call space%cell%place_work(store%count(tile), dt, scratch%deformation%gradient)
@@ -145,6 +150,28 @@ contains
             store%state%volume, scratch%deformation%gradient)
       end associate
    end subroutine find_gradient
+
+   !> The same before the means of the nodes are exact, on a mesh at rest.
+   subroutine gather_gradient(grid, method, scratch, store, tile, velocity, gradient, dt)
+      type(grid_t), intent(in) :: grid
+      type(method_t), intent(in) :: method
+      type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
+      real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
+      real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Node gradient, if dual [1/s]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      if (method%dual) then
+         call method%quadrature%gather_gradient(grid, scratch%shape, velocity, gradient, dt, &
+            scratch%deformation%gradient)
+      else
+         call method%basis%gather_gradient(grid, scratch%shape, velocity, dt, &
+            scratch%deformation%gradient)
+      end if
+      if (grid%axisymmetric) call method%basis%gather_hoop(grid, scratch%shape, &
+         store%first(tile), store%position, velocity, dt, scratch%deformation%gradient)
+   end subroutine gather_gradient
 
    !> Add the difference between the sides of nodes to a velocity gradient times the time step.
    subroutine add_gradient(grid, stores, sides, scratch, index, tile, difference, dt)
