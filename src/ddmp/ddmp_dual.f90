@@ -62,7 +62,7 @@ contains
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
       ! near the axis the volume of the particles of a node differs from that of the node, and the
       ! node stress is correct only with weights of the particle volume
-      self%enough = merge(1.0_wp, 0.5_wp, grid%axisymmetric)
+      self%enough = merge(1.0_wp, 0.5_wp, grid%axisymmetric .and. .not. self%hoops)
       call self%products%start(grid)
       if (allocated(self%volume)) deallocate (self%volume)
       allocate (self%volume(lanes, self%columns))

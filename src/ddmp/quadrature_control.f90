@@ -20,18 +20,10 @@ module quadrature_control
    !> Gradient at one point, with a control variate: the mean stress is subtracted.
    type, extends(quadrature_point_t) :: quadrature_control_t
    contains
-      procedure :: margin => control_margin          !! Nodes beyond a tile that are used
       procedure :: controlled => control_controlled  !! The mean stress is subtracted
    end type quadrature_control_t
 
 contains
-
-   !> A node is inside the body only if all nodes around it have material.
-   pure integer function control_margin(self) result(margin)
-      class(quadrature_control_t), intent(in) :: self
-
-      margin = 1
-   end function control_margin
 
    !> The mean stress is subtracted from the particles.
    pure logical function control_controlled(self) result(controlled)

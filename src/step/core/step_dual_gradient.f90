@@ -17,7 +17,8 @@ module step_dual_gradient
    implicit none
    private
 
-   public :: limit_tile_gains, apply_dual_gradient, find_volumes, node_gradient, store_gradient
+   public :: apply_dual_gradient, ensure_dual, find_volumes, limit_tile_gains, node_gradient, &
+      share_cells, store_gradient, widen_weighted
 
    real(wp), parameter :: small = 3.0e-3_wp          !! Ignored cell fraction
 
@@ -43,19 +44,10 @@ contains
          call stop_cost(machine, tile)
       end do
       !$omp end parallel do
-      associate (nodes => field%nodes)
-         call nodes%dual%weighted%line_up(space%grid, space%tiles)
-         call nodes%dual%share%ensure(nodes%dual%weighted%nodes())
-         call nodes%dual%force%ensure(nodes%dual%weighted%nodes())
-      end associate
-      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
-      !$omp schedule(static)
-      do tile = 1, space%tiles%all
-         call start_cost(machine, tile)
-         call share_tile(space, scheme%dual, field%nodes%dual, tile)
-         call stop_cost(machine, tile)
-      end do
-      !$omp end parallel do
+      ! with a mean stress weights and volumes are known
+      if (.not. scheme%method%controlled()) call share_cells(space, scheme%dual, machine, &
+         field%nodes%dual)
+      call field%nodes%dual%force%ensure(field%nodes%dual%weighted%nodes())
       !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
       !$omp schedule(static)
       do tile = 1, space%tiles%all
@@ -66,6 +58,26 @@ contains
       !$omp end parallel do
       call machine%timer%stop(machine%phase%grid)
    end subroutine apply_dual_gradient
+
+   !> Contributions of the cells of all tiles to the volumes of the nodes, whose weights are known.
+   subroutine share_cells(space, dual, machine, dual_nodes)
+      type(space_t), intent(in) :: space
+      type(dual_t), intent(in) :: dual
+      type(machine_t), intent(inout) :: machine
+      type(dual_nodes_t), intent(inout) :: dual_nodes
+      integer :: tile
+
+      call dual_nodes%weighted%line_up(space%grid, space%tiles)
+      call dual_nodes%share%ensure(dual_nodes%weighted%nodes())
+      !$omp parallel do default(none) shared(space, dual, machine, dual_nodes) private(tile) &
+      !$omp schedule(static)
+      do tile = 1, space%tiles%all
+         call start_cost(machine, tile)
+         call share_tile(space, dual, dual_nodes, tile)
+         call stop_cost(machine, tile)
+      end do
+      !$omp end parallel do
+   end subroutine share_cells
 
    !> Allocate the fields of the dual gradient, except packed patches whose bounds are not known
    !! yet.
@@ -101,23 +113,33 @@ contains
       integer, parameter :: filled = 8               ! row of the patch
       real(wp) :: around(space%grid%tile_nodes)
       real(wp) :: sums(filled, space%grid%tile_nodes)
-      logical :: weighs(space%grid%tile_cells)
 
       associate (motion => field%nodes%motion, dual => field%nodes%dual, grid => space%grid, &
          nodes => field%nodes, coordinate => space%tiles%coordinate(:, tile))
          call motion%packed(1)%assemble(grid, space%tiles, motion%touched, tile, sums)
          if (.not. motion%lean) call keep_sums(motion, tile, sums)
          if (scheme%repacks) dual%filled(1, :, tile) = sums(filled, :)
+         if (scheme%method%controlled()) return
          call grid%node_volume(coordinate, around)
          ! with normalised sums the weights are known
          if (.not. allocated(scheme%normalises)) call scheme%dual%cell_weights(grid, sums, filled, &
             around, dual%weight(:, tile))
          if (field%other > 0) call drop_cells(space%grid, fields, field, tile)
-         call empty_box(dual%weighted%box(:, :, tile))
-         weighs = dual%weight(:, tile) > 0.0_wp
-         call widen_box(grid, weighs, dual%weighted%box(:, :, tile))
+         call widen_weighted(grid, dual, tile)
       end associate
    end subroutine weigh_tile
+
+   !> The box of the nodes of the cells of a tile that have a weight.
+   pure subroutine widen_weighted(grid, dual, tile)
+      type(grid_t), intent(in) :: grid
+      type(dual_nodes_t), intent(inout) :: dual
+      integer, intent(in) :: tile
+      logical :: weighs(grid%tile_cells)
+
+      call empty_box(dual%weighted%box(:, :, tile))
+      weighs = dual%weight(:, tile) > 0.0_wp
+      call widen_box(grid, weighs, dual%weighted%box(:, :, tile))
+   end subroutine widen_weighted
 
    !> Give cells with nodes of two sides no weight, neither for the first side nor for the second.
    subroutine drop_cells(grid, fields, field, tile)
@@ -173,7 +195,7 @@ contains
       associate (motion => nodes%motion, dual => nodes%dual, grid => space%grid, &
          coordinate => space%tiles%coordinate(:, tile))
          slot = motion%slot(tile)
-         call find_volumes(space, dual, tile, slot)
+         if (.not. scheme%method%controlled()) call find_volumes(space, dual, tile, slot)
          call motion%packed(2)%assemble(grid, space%tiles, motion%touched, tile, stress)
          if (allocated(nodes%sums%normal)) then
             call normalise_directions(dual%volume(:, :, slot), nodes%sums%normal(:, :, tile), &

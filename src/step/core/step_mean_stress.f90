@@ -4,10 +4,10 @@
 !! (Q.2) to (Q.4) of doc/theory/quadratures.md.
 module step_mean_stress
    use base_kinds, only: wp
-   use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
+   use step_dual_gradient, only: ensure_dual, find_volumes, share_cells, widen_weighted
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_fields, only: empty_mass, mean_columns, nodes_t
    use step_particles_to_nodes, only: copy_stress, locate_particles
@@ -19,7 +19,6 @@ module step_mean_stress
    public :: find_mean_stress
 
    integer, parameter :: before = 2                  !! Columns before those of the stress
-   real(wp), parameter :: contrast = 4.0_wp          !! Densities of nodes over each other [1]
 
 contains
 
@@ -52,8 +51,18 @@ contains
          end do
          call machine%timer%stop(machine%phase%scatter)
          call machine%timer%start(machine%phase%grid)
+         call ensure_dual(space, scheme, scratches, nodes)
          call ensure_patch(nodes%stress%star, mean_columns - before, number, space%tiles%all)
          call ensure_patch(nodes%stress%share, 1, number, space%tiles%all)
+         !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
+         !$omp schedule(static)
+         do tile = 1, space%tiles%all
+            call start_cost(machine, tile)
+            call weigh_tile(space, scheme, field%nodes, tile)
+            call stop_cost(machine, tile)
+         end do
+         !$omp end parallel do
+         call share_cells(space, scheme%dual, machine, nodes%dual)
          !$omp parallel do default(none) shared(space, machine, field) private(tile) &
          !$omp schedule(static)
          do tile = 1, space%tiles%all
@@ -98,76 +107,54 @@ contains
       end do
    end subroutine scatter_tile
 
-   !> Mean stress of the nodes of a tile, and the factor of its sums: the least fill of all nodes
-   !! around over the volume of the particles. Equation (Q.2). Nodes beyond the domain are ignored.
+   !> Weights of the cells of a tile, and the sums of its nodes until they are divided.
+   subroutine weigh_tile(space, scheme, nodes, tile)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(nodes_t), intent(inout) :: nodes
+      integer, intent(in) :: tile
+      real(wp) :: total(mean_columns, space%grid%tile_nodes), around(space%grid%tile_nodes)
+
+      call assemble(space%grid, space%tiles, nodes%stress%mean, tile, total)
+      nodes%stress%share(1, :, tile) = total(before, :)
+      nodes%stress%star(:, :, tile) = total(before + 1:, :)
+      call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
+      call scheme%dual%cell_weights(space%grid, total, before, around, nodes%dual%weight(:, tile))
+      call widen_weighted(space%grid, nodes%dual, tile)
+   end subroutine weigh_tile
+
+   !> Mean stress of the nodes of a tile, and the factor of its sums: 1 over the volume of the
+   !! particles inside of bodies, where all cells around count in full, and 0 if one of them does not
+   !! count. Equation (Q.2).
    subroutine divide_tile(space, nodes, tile)
       type(space_t), intent(in) :: space
       type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
       integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
       integer, parameter :: row(6) = [1, 5, 9, 4, 8, 7]
-      real(wp) :: total(mean_columns, space%grid%tile_nodes)
-      real(wp) :: around(space%grid%tile_nodes), fill(space%grid%tile_nodes)
-      real(wp) :: light(space%grid%tile_nodes), heavy(space%grid%tile_nodes)
-      real(wp) :: tensor(9, space%grid%tile_nodes), share
-      integer :: node, direction, k
+      real(wp) :: around(space%grid%tile_nodes), tensor(9, space%grid%tile_nodes), share, cells
+      integer :: node, k
 
-      call assemble(space%grid, space%tiles, nodes%stress%mean, tile, total)
+      call find_volumes(space, nodes%dual, tile, tile)
       call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
-      fill = 1.0_wp
-      light = huge(1.0_wp)/contrast
-      heavy = 0.0_wp
-      do node = 1, size(fill)
-         if (.not. around(node) > 0.0_wp) cycle
-         fill(node) = min(1.0_wp, 2.0_wp*total(before, node)/around(node))
-         ! the least of these is minus the greatest density
-         light(node) = total(1, node)/around(node)
-         heavy(node) = -light(node)
-      end do
-      do direction = 1, 3
-         if (.not. space%grid%active(direction)) cycle
-         call take_least(space%grid, direction, fill)
-         call take_least(space%grid, direction, light)
-         call take_least(space%grid, direction, heavy)
-      end do
-      do node = 1, size(fill)
-         share = fill(node)
-         if (-heavy(node) > contrast*light(node)) share = min(share, &
-            contrast*light(node)/(-heavy(node)))
-         if (total(before, node) > empty_mass) then
-            share = share/total(before, node)
-         else
+      cells = real(2**space%grid%dimensions, wp)
+      associate (filled => nodes%stress%share(1, :, tile), star => nodes%stress%star(:, :, tile), &
+         volume => nodes%dual%volume(1, :, tile))
+         do node = 1, size(around)
             share = 0.0_wp
-         end if
-         nodes%stress%share(1, node, tile) = share
-         do k = 1, 9
-            tensor(k, node) = share*total(before + component(k), node)
+            if (around(node) > 0.0_wp .and. filled(node) > empty_mass) share = max(0.0_wp, &
+               1.0_wp - cells*(1.0_wp - volume(node)/around(node)))/filled(node)
+            filled(node) = share
+            do k = 1, 9
+               tensor(k, node) = share*star(component(k), node)
+            end do
          end do
-      end do
-      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), tensor)
-      do node = 1, size(fill)
-         do k = 1, 6
-            nodes%stress%star(k, node, tile) = tensor(row(k), node)
+         call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), tensor)
+         do node = 1, size(around)
+            do k = 1, 6
+               star(k, node) = tensor(row(k), node)
+            end do
          end do
-      end do
+      end associate
    end subroutine divide_tile
-
-   !> Least of each node and its neighbours along a direction. Nodes at the end of the margin keep
-   !! their value; no particle of the tile uses them.
-   pure subroutine take_least(grid, direction, values)
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: direction               !! 1 to 3
-      real(wp), intent(inout) :: values(:)           !! (node of the tile)
-      real(wp) :: old(size(values))
-      integer :: node, stride, position(3)
-
-      old = values
-      stride = grid%stride(direction)
-      do node = 1, size(values)
-         position = grid%node_position(node)
-         if (position(direction) == -grid%margin) cycle
-         if (position(direction) == grid%width(direction) + grid%margin) cycle
-         values(node) = min(old(node - stride), old(node), old(node + stride))
-      end do
-   end subroutine take_least
 end module step_mean_stress
