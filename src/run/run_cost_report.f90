@@ -15,9 +15,10 @@ module run_cost_report
    use scene_particles, only: survey_t
    use step_contact, only: dissipation_after_remap
    use step_move_nodes, only: records_later
-   use step_node_fields, only: mean_columns, node_needs_t, node_tally_t
+   use step_node_fields, only: gradient_rows, mean_before, node_needs_t, node_tally_t, &
+      stress_rows, tensor_rows, vector_rows
    use step_normalised_sums, only: counted_columns, normal_columns
-   use step_particles_to_nodes, only: may_be_lean, tensor_rows, vector_rows
+   use step_particles_to_nodes, only: may_be_lean
    use step_simulation, only: simulation_t
    use stream_particles, only: snapshot_bytes
    implicit none
@@ -292,8 +293,8 @@ contains
          if (method%remaps()) needs%extra = merge(4, 3, &
             method%transfer%affine() .and. .not. method%averages())
          if (method%controlled()) then
-            needs%mean = mean_columns
-            needs%strain = 9*scheme%gradients()
+            needs%mean = mean_before + size(stress_rows(space%grid))
+            needs%strain = size(gradient_rows(space%grid))*scheme%gradients()
          end if
          needs%rigid = allocated(space%rigid)
          if (allocated(scheme%normalises)) then

@@ -9,9 +9,10 @@ module step_dual_gradient
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
    use step_bounds, only: are_nodes_slow
    use step_method, only: method_t, stress_after
-   use step_node_fields, only: dual_nodes_t, empty_mass, nodes_t
+   use step_node_fields, only: dual_nodes_t, empty_mass, nodes_t, stress_rows, tensor_rows, &
+      vector_rows
    use step_node_sums, only: divide_nodes, ensure_sums, keep_sums, count_slots
-   use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
+   use step_particles_to_nodes, only: nodes_seen
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
    use step_tile_cost, only: start_cost, stop_cost
    implicit none
@@ -189,7 +190,7 @@ contains
       type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
       real(wp) :: stress(9, space%grid%tile_nodes), force(3, space%grid%tile_nodes)
-      integer :: slot, node, k
+      integer :: slot, node, k, at(9)
       integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
 
       associate (motion => nodes%motion, dual => nodes%dual, grid => space%grid, &
@@ -205,9 +206,13 @@ contains
          end if
          if (scheme%method%controlled()) then
             ! add on the nodes the mean stress that was subtracted from the particles
+            at = 0
+            at(stress_rows(grid)) = [(k, k=1, size(nodes%stress%star, 1))]
+            at = at(component)
             do node = 1, size(stress, 2)
                do k = 1, 9
-                  stress(k, node) = stress(k, node) + nodes%stress%star(component(k), node, tile)
+                  if (at(k) > 0) stress(k, node) = stress(k, node) &
+                     + nodes%stress%star(at(k), node, tile)
                end do
             end do
          end if

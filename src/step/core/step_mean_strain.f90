@@ -9,6 +9,7 @@ module step_mean_strain
    use mesh_patch, only: clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
+   use step_node_fields, only: gradient_rows
    use step_node_view, only: gather_parts_t, set_view, view_t
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, velocity_field_t
@@ -34,8 +35,8 @@ contains
       associate (space => simulation%space, machine => simulation%machine, &
          stress => field%nodes%stress)
          call machine%timer%start(machine%phase%scatter)
-         call ensure_patch(stress%strain, 9*simulation%scheme%gradients(), space%grid%tile_nodes, &
-            space%tiles%own)
+         call ensure_patch(stress%strain, size(gradient_rows(space%grid)) &
+            *simulation%scheme%gradients(), space%grid%tile_nodes, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
             !$omp parallel default(none) shared(simulation, field, parts, tiles)
@@ -80,9 +81,10 @@ contains
       type(gather_parts_t), intent(in) :: parts      !! Parts of the transfer that follows
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
-      integer :: index
+      integer :: index, number
 
       call clear_patch(patch)
+      number = size(patch, 1)/simulation%scheme%gradients()
       associate (motion => field%nodes%motion, scheme => simulation%scheme)
          do index = field%first_store, field%last_store
             if (simulation%stores(index)%count(tile) == 0) cycle
@@ -92,9 +94,9 @@ contains
             call scatter_gradient(simulation, scratch, index, tile, &
                motion%strain(:, :, view%slot), view%gradient, 0, patch)
             if (scheme%method%averages()) call scatter_gradient(simulation, scratch, index, tile, &
-               motion%velocity(:, :, view%slot), view%gradient_before, 9, patch)
+               motion%velocity(:, :, view%slot), view%gradient_before, number, patch)
             if (scheme%works .and. parts%work) call scatter_gradient(simulation, scratch, index, &
-               tile, view%middle_velocity, view%middle_gradient, size(patch, 1) - 9, patch)
+               tile, view%middle_velocity, view%middle_gradient, size(patch, 1) - number, patch)
          end do
       end associate
    end subroutine scatter_tile
@@ -110,6 +112,7 @@ contains
       integer, intent(in) :: before                  !! Columns before those of the gradient
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: weight
+      integer, allocatable :: rows(:)
       integer :: p, k
 
       associate (space => simulation%space, method => simulation%scheme%method, &
@@ -117,13 +120,15 @@ contains
          call gather_gradient(space%grid, method, scratch, store, tile, velocity, gradient, 1.0_wp)
          weight = 1.0_wp
          if (allocated(space%cell)) weight = 1.0_wp/space%cell%stretch%volume
-         do k = 1, 9
+         allocate (rows, source=gradient_rows(space%grid))
+         do k = 1, size(rows)
             do p = 1, store%count(tile)
                shape%values(p, k) = weight*store%state%volume(store%first(tile) + p - 1) &
-                  *scratch%deformation%gradient(p, k)
+                  *scratch%deformation%gradient(p, rows(k))
             end do
          end do
-         call method%basis%scatter_values(space%grid, shape, 9, shape%values, before, patch)
+         call method%basis%scatter_values(space%grid, shape, size(rows), shape%values, before, &
+            patch)
       end associate
    end subroutine scatter_gradient
 end module step_mean_strain

@@ -9,7 +9,7 @@ module step_mean_stress
    use particle_store, only: store_t
    use step_dual_gradient, only: ensure_dual, find_volumes, share_cells, widen_weighted
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
-   use step_node_fields, only: empty_mass, mean_columns, nodes_t
+   use step_node_fields, only: before => mean_before, empty_mass, nodes_t, stress_rows
    use step_particles_to_nodes, only: copy_stress, locate_particles
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
    use step_tile_cost, only: start_cost, stop_cost
@@ -17,8 +17,6 @@ module step_mean_stress
    private
 
    public :: find_mean_stress
-
-   integer, parameter :: before = 2                  !! Columns before those of the stress
 
 contains
 
@@ -31,11 +29,12 @@ contains
       type(scratch_t), intent(inout) :: scratches(0:)
       type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
-      integer :: tile, part, n
+      integer :: tile, part, n, rows
 
+      rows = size(stress_rows(space%grid))
       associate (nodes => field%nodes, number => space%grid%tile_nodes)
          call machine%timer%start(machine%phase%scatter)
-         call ensure_patch(nodes%stress%mean, mean_columns, number, space%tiles%own)
+         call ensure_patch(nodes%stress%mean, before + rows, number, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
             !$omp parallel do default(none) private(n) schedule(dynamic, 1) &
@@ -52,7 +51,7 @@ contains
          call machine%timer%stop(machine%phase%scatter)
          call machine%timer%start(machine%phase%grid)
          call ensure_dual(space, scheme, scratches, nodes)
-         call ensure_patch(nodes%stress%star, mean_columns - before, number, space%tiles%all)
+         call ensure_patch(nodes%stress%star, rows, number, space%tiles%all)
          call ensure_patch(nodes%stress%share, 1, number, space%tiles%all)
          !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
          !$omp schedule(static)
@@ -84,9 +83,11 @@ contains
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      integer, allocatable :: rows(:)
       integer :: index, p, k
 
       call clear_patch(patch)
+      allocate (rows, source=stress_rows(space%grid))
       do index = field%first_store, field%last_store
          if (stores(index)%count(tile) == 0) cycle
          associate (store => stores(index), shape => scratch%shape, pushed => scratch%pushed)
@@ -96,12 +97,12 @@ contains
                shape%values(p, 1) = store%state%mass(store%first(tile) + p - 1)
                shape%values(p, before) = pushed%volume(p)
             end do
-            do k = 1, mean_columns - before
+            do k = 1, size(rows)
                do p = 1, store%count(tile)
-                  shape%values(p, before + k) = pushed%volume(p)*pushed%stress(p, k)
+                  shape%values(p, before + k) = pushed%volume(p)*pushed%stress(p, rows(k))
                end do
             end do
-            call scheme%method%basis%scatter_values(space%grid, shape, mean_columns, &
+            call scheme%method%basis%scatter_values(space%grid, shape, size(patch, 1), &
                shape%values, 0, patch)
          end associate
       end do
@@ -113,7 +114,8 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
-      real(wp) :: total(mean_columns, space%grid%tile_nodes), around(space%grid%tile_nodes)
+      real(wp) :: total(size(nodes%stress%mean, 1), space%grid%tile_nodes)
+      real(wp) :: around(space%grid%tile_nodes)
 
       call assemble(space%grid, space%tiles, nodes%stress%mean, tile, total)
       nodes%stress%share(1, :, tile) = total(before, :)
@@ -130,11 +132,13 @@ contains
       type(space_t), intent(in) :: space
       type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
-      integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
-      integer, parameter :: row(6) = [1, 5, 9, 4, 8, 7]
+      integer, parameter :: column(6) = [1, 5, 9, 4, 8, 7] !! In a tensor of nine components
       real(wp) :: around(space%grid%tile_nodes), tensor(9, space%grid%tile_nodes), share, cells
+      integer, allocatable :: rows(:)
       integer :: node, k
 
+      allocate (rows, source=stress_rows(space%grid))
+      tensor = 0.0_wp
       call find_volumes(space, nodes%dual, tile, tile)
       call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
       cells = real(2**space%grid%dimensions, wp)
@@ -145,14 +149,14 @@ contains
             if (around(node) > 0.0_wp .and. filled(node) > empty_mass) share = max(0.0_wp, &
                1.0_wp - cells*(1.0_wp - volume(node)/around(node)))/filled(node)
             filled(node) = share
-            do k = 1, 9
-               tensor(k, node) = share*star(component(k), node)
+            do k = 1, size(rows)
+               tensor(column(rows(k)), node) = share*star(k, node)
             end do
          end do
          call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), tensor)
          do node = 1, size(around)
-            do k = 1, 6
-               star(k, node) = tensor(row(k), node)
+            do k = 1, size(rows)
+               star(k, node) = tensor(column(rows(k)), node)
             end do
          end do
       end associate

@@ -12,9 +12,8 @@ module step_move_nodes
    use step_dual_gradient, only: limit_tile_gains, find_volumes, store_gradient
    use step_method, only: method_t
    use step_node_displacement, only: examine_tile, is_worse
-   use step_node_fields, only: empty_mass, motion_nodes_t, nodes_t
+   use step_node_fields, only: empty_mass, motion_nodes_t, nodes_t, vector_rows
    use step_node_sums, only: divide_nodes, divide_motion, ensure_sums, find_sums, count_slots
-   use step_particles_to_nodes, only: vector_rows
    use step_simulation, only: clock_t, machine_t, reach_t, scheme_t, scratch_t, &
       simulation_effects_t, simulation_t, space_t
    use step_tile_cost, only: start_cost, stop_cost

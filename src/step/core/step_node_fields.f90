@@ -15,10 +15,11 @@ module step_node_fields
    implicit none
    private
 
-   public :: dual_nodes_t, motion_nodes_t, node_needs_t, node_tally_t, nodes_t, &
-      normalised_nodes_t
+   public :: dual_nodes_t, gradient_rows, motion_nodes_t, node_needs_t, node_tally_t, nodes_t, &
+      normalised_nodes_t, stress_rows, tensor_rows, vector_rows
 
-   integer, parameter, public :: mean_columns = 8    !! Mass, volume and stress times volume
+   integer, parameter, public :: mean_before = 2     !! Columns before those of the mean stress
+
 
    !> Nodes with less mass or volume than this count as empty. The value is below the contribution
    !! of any particle, and its inverse is finite.
@@ -97,11 +98,12 @@ module step_node_fields
 
    !> Mean stress, and the strain that belongs to it.
    type :: stress_nodes_t
-      real(wp), allocatable :: mean(:, :, :) !! Patch (8): mass, volume, stress times volume
-      real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
+      !> Patch: mass, volume, and stress times volume in the components of `stress_rows`
+      real(wp), allocatable :: mean(:, :, :)
+      real(wp), allocatable :: star(:, :, :)         !! Mean stress, the same components [Pa]
       real(wp), allocatable :: share(:, :, :)        !! (1) Factor of the sums of particles [1/m3]
-      !> Patch (9, 18 or 27): velocity gradients times volume, of the strain, before the step, of
-      !! the work [m3/s]
+      !> Patch: velocity gradients times volume in the components of `gradient_rows`, of the strain,
+      !! before the step, of the work [m3/s]
       real(wp), allocatable :: strain(:, :, :)
    contains
       procedure :: count => count_stress
@@ -147,6 +149,47 @@ module step_node_fields
    end type nodes_t
 
 contains
+
+   !> Components of a vector that can be nonzero.
+   pure function vector_rows(grid) result(kept)
+      type(grid_t), intent(in) :: grid
+      logical :: kept(3)
+
+      kept = grid%active
+   end function vector_rows
+
+   !> The same of a tensor whose component (k, l) is in row k + 3 (l - 1).
+   pure function tensor_rows(grid) result(kept)
+      type(grid_t), intent(in) :: grid
+      logical :: kept(9)
+      integer :: l
+
+      do l = 1, 3
+         kept(3*l - 2:3*l) = grid%active .and. grid%active(l)
+      end do
+      kept(5) = kept(5) .or. grid%axisymmetric
+   end function tensor_rows
+
+   !> Columns of those components of a velocity gradient that can be nonzero.
+   pure function gradient_rows(grid) result(rows)
+      type(grid_t), intent(in) :: grid
+      integer, allocatable :: rows(:)
+      integer :: k
+
+      rows = pack([(k, k=1, 9)], tensor_rows(grid))
+   end function gradient_rows
+
+   !> Columns of those components of a stress that exert forces.
+   pure function stress_rows(grid) result(rows)
+      type(grid_t), intent(in) :: grid
+      integer, allocatable :: rows(:)
+      integer, parameter :: component(6) = [1, 5, 9, 4, 8, 7]
+      logical :: kept(9)
+      integer :: k
+
+      kept = tensor_rows(grid)
+      rows = pack([(k, k=1, 6)], kept(component))
+   end function stress_rows
 
    !> Index of the fields of a tile: its own, or that of the thread that works on it.
    integer function motion_slot(self, tile) result(slot)
@@ -226,7 +269,7 @@ contains
       type(node_tally_t), intent(inout) :: tally
 
       call tally%add(self%mean, needs%mean)
-      call tally%add(self%star, merge(6, 0, needs%mean > 0))
+      call tally%add(self%star, max(0, needs%mean - mean_before))
       call tally%add(self%share, merge(1, 0, needs%mean > 0))
       call tally%add(self%strain, needs%strain)
    end subroutine count_stress

@@ -11,7 +11,7 @@ module step_node_view
    use step_dual_gradient, only: node_gradient
    use step_grid_volumes, only: excess_fill
    use step_method, only: method_t, stress_before
-   use step_node_fields, only: motion_nodes_t, nodes_t
+   use step_node_fields, only: gradient_rows, motion_nodes_t, nodes_t
    use step_particles_to_nodes, only: nodes_seen
    use step_simulation, only: clock_t, scheme_t, space_t
    use transfer_affine, only: moment_fields
@@ -45,7 +45,7 @@ module step_node_view
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle_gradient(:, :) !! (9, node) Of the middle velocity [1/s]
       real(wp), allocatable :: gradient_before(:, :) !! (9, node) Before the step [1/s]
-      !> (9, node) What the means of these three over the particles have too much [1/s]
+      !> (component, node) What the means of these three over the particles have too much [1/s]
       real(wp), allocatable :: surplus(:, :), middle_surplus(:, :), surplus_before(:, :)
       type(loss_view_t) :: loss                      !! Lost kinetic energy
       type(increments_t) :: increments               !! Increments and heat, if gathered at once
@@ -95,10 +95,10 @@ contains
          nodes%dual%gradient_before, view%gradient_before)
       if (.not. scheme%method%controlled() .or. parts%plain) return
       if (parts%strain) call find_surplus(space, nodes, tile, 0, view%gradient, view%surplus)
-      if (parts%strain .and. scheme%method%averages()) call find_surplus(space, nodes, tile, 9, &
+      if (parts%strain .and. scheme%method%averages()) call find_surplus(space, nodes, tile, 1, &
          view%gradient_before, view%surplus_before)
       if (parts%work .and. scheme%works) call find_surplus(space, nodes, tile, &
-         9*(scheme%gradients() - 1), view%middle_gradient, view%middle_surplus)
+         scheme%gradients() - 1, view%middle_gradient, view%middle_surplus)
    end subroutine set_view
 
    !> What the mean of the gradients of the particles around each node has too much: its sum over
@@ -107,24 +107,33 @@ contains
       type(space_t), intent(in) :: space
       type(nodes_t), intent(in) :: nodes
       integer, intent(in) :: tile
-      integer, intent(in) :: before                  !! Columns of the sums before this gradient
+      integer, intent(in) :: before                  !! Sums before those of this gradient
       real(wp), intent(in) :: gradient(:, :)         !! (9, node) Of the grid [1/s]
-      real(wp), allocatable, intent(inout) :: surplus(:, :) !! (9, node) [1/s]
+      real(wp), allocatable, intent(inout) :: surplus(:, :) !! (component of `gradient_rows`, node)
       real(wp) :: total(size(nodes%stress%strain, 1), space%grid%tile_nodes)
-      integer :: node, k
+      real(wp) :: tensor(9, space%grid%tile_nodes)
+      integer, allocatable :: rows(:)
+      integer :: node, k, first
 
-      if (.not. allocated(surplus)) allocate (surplus(9, space%grid%tile_nodes))
+      allocate (rows, source=gradient_rows(space%grid))
+      first = before*size(rows)
+      if (.not. allocated(surplus)) allocate (surplus(size(rows), space%grid%tile_nodes))
       call assemble(space%grid, space%tiles, nodes%stress%strain, tile, total)
       associate (share => nodes%stress%share(1, :, tile), &
          volume => nodes%dual%volume(1, :, nodes%motion%slot(tile)))
          do node = 1, size(surplus, 2)
-            do k = 1, 9
-               surplus(k, node) = share(node)*(total(before + k, node) &
-                  - volume(node)*gradient(k, node))
+            do k = 1, size(rows)
+               tensor(rows(k), node) = share(node)*(total(first + k, node) &
+                  - volume(node)*gradient(rows(k), node))
             end do
          end do
       end associate
-      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), surplus)
+      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), tensor)
+      do node = 1, size(surplus, 2)
+         do k = 1, size(rows)
+            surplus(k, node) = tensor(rows(k), node)
+         end do
+      end do
    end subroutine find_surplus
 
    !> Find which velocity gradients can limit the next step, and whether any node gradient is that

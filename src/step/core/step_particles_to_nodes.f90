@@ -10,7 +10,7 @@ module step_particles_to_nodes
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_motion
    use step_method, only: method_t
-   use step_node_fields, only: motion_nodes_t, nodes_t
+   use step_node_fields, only: motion_nodes_t, nodes_t, stress_rows, tensor_rows, vector_rows
    use step_simulation, only: machine_t, scheme_t, scratch_t, simulation_effects_t, space_t, &
       velocity_field_t
    use step_tile_cost, only: start_cost, stop_cost
@@ -21,8 +21,8 @@ module step_particles_to_nodes
    implicit none
    private
 
-   public :: copy_stress, find_loads, locate_particles, locate_particles_plainly, may_be_lean, nodes_seen, &
-      particles_to_nodes, tensor_rows, vector_rows
+   public :: copy_stress, find_loads, locate_particles, locate_particles_plainly, &
+      may_be_lean, nodes_seen, particles_to_nodes
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 
@@ -166,26 +166,6 @@ contains
       end associate
    end subroutine ensure_motion
 
-   !> Components of a vector that can be nonzero.
-   pure function vector_rows(grid) result(kept)
-      type(grid_t), intent(in) :: grid
-      logical :: kept(3)
-
-      kept = grid%active
-   end function vector_rows
-
-   !> The same of a tensor whose component (k, l) is in row k + 3 (l - 1).
-   pure function tensor_rows(grid) result(kept)
-      type(grid_t), intent(in) :: grid
-      logical :: kept(9)
-      integer :: l
-
-      do l = 1, 3
-         kept(3*l - 2:3*l) = grid%active .and. grid%active(l)
-      end do
-      kept(5) = kept(5) .or. grid%axisymmetric
-   end function tensor_rows
-
    !> One tile.
    subroutine scatter_tile(space, stores, fields, scheme, effects, field, scratch, tile)
       type(space_t), intent(in) :: space
@@ -280,10 +260,10 @@ contains
             if (method%controlled()) then
                call method%basis%gather_values(grid, shape, field%nodes%stress%star(:, :, tile), &
                   shape%values)
-               call scratch%pushed%subtract(store%count(tile), shape%values)
+               call scratch%pushed%subtract(store%count(tile), stress_rows(grid), shape%values)
             end if
             if (allocated(effects%loads)) call scratch%pushed%subtract(store%count(tile), &
-               scratch%pushed%load)
+               [1, 2, 3, 4, 5, 6], scratch%pushed%load)
             call scatter_force(space%grid, scheme%method, shape, 1, scratch%pushed%position, &
                scratch%pushed%volume, scratch%pushed%stress, patch)
          else

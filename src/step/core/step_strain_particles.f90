@@ -11,6 +11,7 @@ module step_strain_particles
    use step_bounds, only: find_steepest
    use step_dissipation, only: record_losses
    use step_method, only: method_t, stress_before
+   use step_node_fields, only: gradient_rows
    use step_node_view, only: view_t
    use step_pressure_relaxation, only: has_normalised_sums, relax_pressures
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
@@ -123,19 +124,22 @@ contains
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Node gradient, if dual [1/s]
-      real(wp), allocatable, intent(in) :: surplus(:, :) !! (9, node) Of its means, if any [1/s]
+      !> (component of `gradient_rows`, node) What its means have too much, if any [1/s]
+      real(wp), allocatable, intent(in) :: surplus(:, :)
       real(wp), intent(in) :: dt                     !! Time step [s]
       logical, intent(in) :: works                   !! For the work of the stress, not the strain?
+      integer, allocatable :: rows(:)
       integer :: p, k
 
       associate (grid => space%grid, shape => scratch%shape, start => store%cell_start(:, tile))
          call gather_gradient(grid, method, scratch, store, tile, velocity, gradient, dt)
          if (method%controlled()) then
             call method%basis%gather_values(grid, shape, surplus, shape%values)
-            do k = 1, 9
+            allocate (rows, source=gradient_rows(grid))
+            do k = 1, size(rows)
                do p = 1, store%count(tile)
-                  scratch%deformation%gradient(p, k) = scratch%deformation%gradient(p, k) &
-                     - dt*shape%values(p, k)
+                  scratch%deformation%gradient(p, rows(k)) = &
+                     scratch%deformation%gradient(p, rows(k)) - dt*shape%values(p, k)
                end do
             end do
          end if

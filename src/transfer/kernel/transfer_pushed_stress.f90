@@ -80,17 +80,18 @@ contains
       end do
    end subroutine pushed_make_unit
 
-   !> Subtract a stress from that of each particle.
-   pure subroutine pushed_subtract(self, count, values)
+   !> Subtract some components of a stress from that of each particle.
+   pure subroutine pushed_subtract(self, count, rows, values)
       class(pushed_stress_t), intent(inout) :: self
       integer, intent(in) :: count                           !! Particles of the tile
-      !> (particle of the tile, 6 or more) [Pa]
+      integer, contiguous, intent(in) :: rows(:)             !! Components
+      !> (particle of the tile, component or more) [Pa]
       real(wp), contiguous, intent(in) :: values(:, :)
       integer :: p, k
 
-      do k = 1, 6
+      do k = 1, size(rows)
          do p = 1, count
-            self%stress(p, k) = self%stress(p, k) - values(p, k)
+            self%stress(p, rows(k)) = self%stress(p, rows(k)) - values(p, k)
          end do
       end do
    end subroutine pushed_subtract
