@@ -144,7 +144,8 @@ contains
       type(gather_parts_t), intent(in) :: parts      !! Requested parts
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      if (simulation%scheme%method%controlled()) call find_mean_strain(simulation, field, parts)
+      if (simulation%scheme%method%controlled() .and. (parts%strain .or. parts%work)) &
+         call find_mean_strain(simulation, field, parts)
       call nodes_to_particles(simulation, field, parts, dt)
    end subroutine give_to_particles
 

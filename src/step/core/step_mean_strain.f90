@@ -91,10 +91,11 @@ contains
             call locate_particles(simulation%space, scheme, field, scratch, &
                simulation%stores(index), tile)
             call scratch%deformation%reserve(simulation%stores(index)%count(tile) + spare)
-            call scatter_gradient(simulation, scratch, index, tile, &
+            if (parts%strain) call scatter_gradient(simulation, scratch, index, tile, &
                motion%strain(:, :, view%slot), view%gradient, 0, patch)
-            if (scheme%method%averages()) call scatter_gradient(simulation, scratch, index, tile, &
-               motion%velocity(:, :, view%slot), view%gradient_before, number, patch)
+            if (parts%strain .and. scheme%method%averages()) call scatter_gradient(simulation, &
+               scratch, index, tile, motion%velocity(:, :, view%slot), view%gradient_before, &
+               number, patch)
             if (scheme%works .and. parts%work) call scatter_gradient(simulation, scratch, index, &
                tile, view%middle_velocity, view%middle_gradient, size(patch, 1) - number, patch)
          end do
