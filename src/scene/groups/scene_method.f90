@@ -2,13 +2,12 @@
 !> The group &method: its keys and the method that they select.
 module scene_method
    use base_kinds, only: wp
-   use base_text, only: brief
    use ddmp_alpha, only: alpha_names
    use ddmp_catalogue, only: quadrature_names
    use ddmp_dual, only: surface_names
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
-   use scene_method_defaults, only: set_method_defaults, unseen_usual
+   use scene_method_defaults, only: set_method_defaults
    use scene_dimension, only: is_dual
    use step_method, only: method_t, position_of, stress_after, stress_names
    use transfer_basis, only: basis_t
@@ -106,10 +105,6 @@ contains
          "of both maps, which conserves energy; default: usl with ddmp, musl with mpm, with "// &
          "transfer = apic or aflip, and where elastic bodies have contact", &
          words="usl usf musl usavg")
-      call schema%real("method", "unseen_strain", "fraction of the velocity change that nodes "// &
-         "gain and particles do not receive that is used in the strain, with stress_update = "// &
-         "'usavg'; damps pressure differences between particles; default: 0 where all material "// &
-         "is elastic", default=brief(unseen_usual), range=">= 0 <= 1")
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
          "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &
          "conserves the energy of thin bodies", default="point", words="point tiles", &
@@ -131,10 +126,11 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine read_method(method, deck, stored, gases, some_gas)
+   subroutine read_method(method, deck, stored, cold, gases, some_gas)
       type(method_t), intent(inout) :: method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Do all materials store work reversibly?
+      logical, intent(in) :: cold                    !! Does no material carry internal energy?
       logical, intent(in) :: gases                   !! Is all material a gas?
       logical, intent(in) :: some_gas                !! Is some material a gas or an explosive?
       type(group_t) :: group
@@ -142,7 +138,7 @@ contains
       class(basis_t), allocatable :: functions
       logical :: linear
 
-      call set_method_defaults(deck, stored, gases, some_gas)
+      call set_method_defaults(deck, stored, cold, gases, some_gas)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)
@@ -158,7 +154,6 @@ contains
       if (method%dual) call read_dual(method, deck, group)
       call group%get("stress_update", word)
       method%stress = max(position_of(word, stress_names), 1)
-      if (method%averages()) call group%get("unseen_strain", method%unseen)
       call group%get("transfer", word)
       call choose_velocity(word, method%transfer)
       if (.not. allocated(method%transfer)) call choose_velocity("flip", method%transfer)
