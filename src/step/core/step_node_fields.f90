@@ -68,6 +68,7 @@ module step_node_fields
       !> Packed patches of mass, momentum, force, with the dual gradient volume; and of stress times
       !! volume
       type(packed_patch_t) :: packed(2)
+      real(wp), allocatable :: covered(:, :)         !! (cell, tile) Part with particles [1]
       !> Are the sums and velocities of a tile kept only while a thread works on it? Then packed
       !! patches keep the velocity and acceleration that the particles need
       logical :: lean = .false.
@@ -196,6 +197,7 @@ contains
       call tally%add(self%touched, .true.)
       call tally%add(self%packed(1), 1 + 2*needs%vector + merge(1, 0, needs%dual))
       call tally%add(self%packed(2), 0)
+      call tally%add(self%covered, needs%dual .and. needs%counted == 0)
       do n = 1, size(self%seen)
          call tally%add(self%seen(n), merge(needs%vector, 0, needs%lean))
       end do

@@ -177,6 +177,8 @@ module step_simulation
       logical :: erosion = .false.                   !! Are failed particles removed?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       logical :: works = .false.                     !! Is work of stress or loads computed?
+   contains
+      procedure :: weighs => scheme_weighs           !! Are cells weighted by their particles?
    end type scheme_t
 
    !> Physical effects in addition to stress. Those that a scene does not use are not allocated.
@@ -264,6 +266,13 @@ contains
       longest = time
       if (allocated(self%cell)) longest = time*self%cell%greatest()
    end function space_mesh_time
+
+   !> Do weights of cells depend on the particles in them? With normalised sums they are known.
+   pure logical function scheme_weighs(self) result(weighs)
+      class(scheme_t), intent(in) :: self
+
+      weighs = self%method%dual .and. .not. allocated(self%normalises)
+   end function scheme_weighs
 
    !> Count the node fields of a velocity field, with those of its sides.
    pure subroutine count_field(self, needs, tally)
