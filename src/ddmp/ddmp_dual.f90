@@ -22,7 +22,7 @@ module ddmp_dual
    implicit none
    private
 
-   public :: add_moments, dual_t
+   public :: add_cell_moments, dual_t
 
    real(wp), parameter :: contrast = 4.0_wp          !! Densities of nodes over each other [1]
    real(wp), parameter :: covers = 4.0_wp            !! Inverse of the cover that counts as full [1]
@@ -76,9 +76,8 @@ contains
       end do
    end subroutine dual_start
 
-   !> Add the volumes of particles in each cell to row 0, and times their local coordinates to rows 1
-   !! to 3.
-   pure subroutine add_moments(start, first, local, volume, moments)
+   !> Add the volumes of particles in each cell to row 0, times local coordinates to rows 1 to 3.
+   pure subroutine add_cell_moments(start, first, local, volume, moments)
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       integer, intent(in) :: first                   !! First particle of the tile
       real(wp), contiguous, intent(in) :: local(:, :)  !! (particle of the tile, 3) 0 to 1
@@ -95,7 +94,7 @@ contains
          end do
          moments(:, cell) = sums
       end do
-   end subroutine add_moments
+   end subroutine add_cell_moments
 
    !> Part of the volume of each cell that its particles cover. A particle adds to the two halves of
    !! its cell along each direction according to its place, nothing to the far half if it is on a
@@ -105,7 +104,7 @@ contains
       class(dual_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      real(wp), contiguous, intent(in) :: moments(0:, 0:) !! (row, cell) Of `add_moments` [m3]
+      real(wp), contiguous, intent(in) :: moments(0:, 0:) !! (row, cell) Of `add_cell_moments` [m3]
       real(wp), contiguous, intent(inout) :: covered(0:)  !! (cell) [1]
       real(wp) :: least
       integer :: cell, k

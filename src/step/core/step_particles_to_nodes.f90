@@ -2,7 +2,7 @@
 !> Scatter particles to the patches of nodes, tile by tile.
 module step_particles_to_nodes
    use base_kinds, only: int64, wp
-   use ddmp_dual, only: add_moments
+   use ddmp_dual, only: add_cell_moments
    use mesh_grid, only: grid_t
    use mesh_packed_patch, only: move_packed_patches
    use mesh_patch, only: clear_patch, empty_box, ensure_weights, widen_box
@@ -209,7 +209,7 @@ contains
       do index = field%first_store, field%last_store
          if (stores(index)%count(tile) == 0) cycle
          call scatter_store(space, stores, scheme, effects, field, scratch, index, tile, patch)
-         if (scheme%weighs()) call add_moments(scratch%shape%start, &
+         if (scheme%weighs()) call add_cell_moments(scratch%shape%start, &
             stores(index)%first(tile), scratch%shape%local, stores(index)%state%volume, moments)
       end do
       if (scheme%weighs()) call scheme%dual%find_covered(space%grid, &
