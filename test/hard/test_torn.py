@@ -199,3 +199,28 @@ def test_gap(options, sheet):
             sheet.below(f"{label}: change of the speed", change, 1.0e-6 if notch else 1.0e-12)
             if notch:
                 sheet.above(f"{label}: stress at the tip over rho c v", tip, 1.0)
+
+
+HEAT = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=20,1,20  dx=1 /
+&time  t_end=0.02 /
+&effects  thermal=.true. /
+&material  name='m'  density=2700  eos_model='mie_gruneisen'  mg_c0=5350  mg_s=1.34  mg_gamma=0  specific_heat=900  shear=2.6e10
+  t_ref=293  conductivity=1.0e7 /
+&region  name='hot'   shape='box'  lo=5,0,11  hi=15,1,16 /
+&region  name='cold'  shape='box'  lo=5,0,5   hi=15,1,10 /
+&body  name='hot'   region='hot'   material='m'  temperature=393 /
+&body  name='cold'  region='cold'  material='m'  temperature=293 /
+&output  name='p'  kind='particles'  count=1  precision='double'  fields='temperature','body' /
+&checkpoint  at_end=.false. /
+"""
+
+
+def test_gap_heat(options, sheet):
+    """No heat crosses a row of empty cells."""
+    run = case.Case(options, "gap_heat", HEAT).run("-q")
+    _, last = run.snapshots()[-1]
+    cold = last.points[:, 2] < 10.5
+    sheet.below("gap: heating of the cold block [K]", np.abs(last.fields["temperature"][cold] - 293.0).max(), 1.0e-9)
+    sheet.below("gap: cooling of the hot block [K]", np.abs(last.fields["temperature"][~cold] - 393.0).max(), 1.0e-9)

@@ -2,7 +2,7 @@
 """How far a front overshoots, and over which distances walls and bodies act that do not touch.
 
 Would catch: a viscosity that damps the front of a shock less than now, a wall that acts from farther away, two bodies
-that pull at each other over a row of empty cells more than now. All three are known misses.
+that pull at each other over a row of empty cells. The first two are known misses.
 
 Shock: aluminium without strength hits a wall at 400 m/s. The exact pressure is that of the Hugoniot; a steady front of
 finite width does not exceed it (target 3 %, the scatter that test_piston.py allows behind it). Without any damping the
@@ -10,8 +10,8 @@ front of a lattice of masses and springs at most doubles the jump: limit 1.
 Wall: a block moves to a wall at 1 m/s. The target is that of bodies in contact (test_contact.py): a tenth of a cell
 early. The linear function of a node at the wall reaches one cell, so the force cannot begin earlier: limit 1.
 Row: two blocks with a row of empty cells between them move apart. They share no node of a cell that contains material,
-so they should not act on each other; blocks that stick together pull at each other with rho c v, v the speed of each:
-limit 1. The target is a hundredth of it.
+so they do not act on each other, to rounding; blocks that stick together pull at each other with rho c v, v the speed
+of each.
 """
 # tiers: full
 
@@ -91,7 +91,4 @@ def test_row(options, sheet, rows):
     pull = max(np.abs(snap.fields["stress"]).max() for _, snap in run.snapshots()) / PULL
     way = np.ptp(run.snapshots()[-1][1].points[:, 2]) - np.ptp(run.snapshots()[0][1].points[:, 2])
     sheet.require(0.09 < way < 0.11, "the blocks have moved apart")
-    if rows == 1:
-        sheet.known("one empty row: tension over rho c v", pull, limit=1.0, target=0.01)
-    else:
-        sheet.below("two empty rows: tension over rho c v", pull, 1.0e-9)
+    sheet.below(f"{rows} empty rows: tension over rho c v", pull, 1.0e-9)
