@@ -206,8 +206,8 @@ HEAT = """
 &grid  lo=0,0,0  hi=20,1,20  dx=1 /
 &time  t_end=0.02 /
 &effects  thermal=.true. /
-&material  name='m'  density=2700  eos_model='mie_gruneisen'  mg_c0=5350  mg_s=1.34  mg_gamma=0  specific_heat=900  shear=2.6e10
-  t_ref=293  conductivity=1.0e7 /
+&material  name='m'  density=2700  eos_model='mie_gruneisen'  mg_c0=5350  mg_s=1.34  mg_gamma=0  specific_heat=900
+  shear=2.6e10  t_ref=293  conductivity=1.0e7 /
 &region  name='hot'   shape='box'  lo=5,0,11  hi=15,1,16 /
 &region  name='cold'  shape='box'  lo=5,0,5   hi=15,1,10 /
 &body  name='hot'   region='hot'   material='m'  temperature=393 /
