@@ -98,6 +98,7 @@ def test_row(options, sheet, rows):
 def test_fluid_row(options, sheet):
     """The same for a fluid, whose sums are normalised, over one empty row."""
     moduli = "eos_model='mie_gruneisen' mg_c0=31.6228 mg_s=1.3 mg_gamma=2"
-    run = case.Case(options, "fluid", ROW.format(low=0.1, high=0.5, effects="strength=.false.", moduli=moduli)).run("-q")
+    run = case.Case(options, "fluid", ROW.format(low=0.1, high=0.5, effects="strength=.false.",
+                                                 moduli=moduli)).run("-q")
     pull = max(np.abs(snap.fields["stress"]).max() for _, snap in run.snapshots()) / np.sqrt(1000.0 * 1.0e6)
     sheet.known("fluid, one empty row: tension over rho c v", pull, limit=1.0, target=1.0e-9)
