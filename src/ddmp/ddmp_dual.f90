@@ -10,8 +10,10 @@
 !! with an empty node has weight zero, so a node without mass gets no force, and small variations of
 !! the fill around 1 inside a body have no effect. The weight is also at most four times the least
 !! density of the nodes over the greatest: a node of light material next to heavy material has too
-!! little mass for the stress of the latter and would be unstable at any useful time step. Equations
-!! (M.3) and (M.14) of doc/theory/method.md.
+!! little mass for the stress of the latter and would be unstable at any useful time step. A cell
+!! without particles has no weight if its nodes lack the volume of a cell, because it is then a gap
+!! in the material and not one between its particles. Equations (M.3), (M.13) and (M.14) of
+!! doc/theory/method.md.
 module ddmp_dual
    use base_constants, only: pi
    use base_kinds, only: wp
@@ -21,11 +23,12 @@ module ddmp_dual
    implicit none
    private
 
-   public :: dual_t
+   public :: add_cell_moments, dual_t
 
    real(wp), parameter :: contrast = 4.0_wp          !! Densities of nodes over each other [1]
    integer, parameter :: half = lanes/2              !! Nodes of a cell in a plane
    integer, parameter :: hoop = 5                    !! Row of the hoop component of a tensor
+   real(wp), parameter :: covers = 4.0_wp            !! Inverse of the cover that counts as full [1]
    integer, parameter, public :: surface_fill = 1    !! By the least fill of its nodes
    integer, parameter, public :: surface_cells = 2   !! 1 in cells without an empty node, else 0
    integer, parameter, public :: surface_none = 3    !! 1 in all cells
@@ -42,7 +45,8 @@ module ddmp_dual
       real(wp), allocatable :: volume(:, :)          !! (j, column) V_j [m3]
    contains
       procedure :: start => dual_start               !! Compute the integrals
-      procedure :: cell_weights => dual_cell_weights !! Fill of the cells of a tile
+      procedure :: find_covered => dual_find_covered !! Part of cells that particles cover
+      procedure :: cell_weights => dual_cell_weights !! Weights of the cells of a tile
       procedure :: add_volume => dual_add_volume     !! V_j of a tile
       procedure :: add_force => dual_add_force       !! Force of the node stress
       procedure :: add_gradient => dual_add_gradient !! Node gradient before division by V_j
@@ -78,16 +82,63 @@ contains
       end do
    end subroutine dual_start
 
+   !> Add the volumes of particles in each cell to row 0, times local coordinates to rows 1 to 3.
+   pure subroutine add_cell_moments(start, first, local, volume, moments)
+      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                   !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)  !! (particle of the tile, 3) 0 to 1
+      real(wp), contiguous, intent(in) :: volume(:)    !! (particle) [m3]
+      real(wp), contiguous, intent(inout) :: moments(0:, 0:) !! (row, cell) [m3]
+      real(wp) :: sums(0:3)
+      integer :: cell, p
+
+      do cell = 0, size(moments, 2) - 1
+         sums = moments(:, cell)
+         do p = start(cell) + 1, start(cell + 1)
+            sums(0) = sums(0) + volume(first + p - 1)
+            sums(1:3) = sums(1:3) + volume(first + p - 1)*local(p, :)
+         end do
+         moments(:, cell) = sums
+      end do
+   end subroutine add_cell_moments
+
+   !> Part of the volume of each cell that its particles cover. A particle adds to the two halves of
+   !! its cell along each direction according to its place, nothing to the far half if it is on a
+   !! face; the half with least counts. So no particle that crosses a face changes this part
+   !! suddenly. Equation (M.13).
+   pure subroutine dual_find_covered(self, grid, coordinate, moments, covered)
+      class(dual_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), contiguous, intent(in) :: moments(0:, 0:) !! (row, cell) Of `add_cell_moments` [m3]
+      real(wp), contiguous, intent(inout) :: covered(0:)  !! (cell) [1]
+      real(wp) :: least
+      integer :: cell, k
+
+      do cell = 0, grid%tile_cells - 1
+         least = moments(0, cell)
+         do k = 1, 3
+            if (grid%active(k)) least = min(least, 2.0_wp*moments(k, cell), &
+               2.0_wp*(moments(0, cell) - moments(k, cell)))
+         end do
+         covered(cell) = least/sum(self%volume(:2**grid%dimensions, &
+            column_of(self, grid, coordinate, cell)))
+      end do
+   end subroutine dual_find_covered
+
    !> Weight of each cell of a tile: twice the least fill of its nodes, at most 1, and less where
-   !! the densities of its nodes are very different; or by another rule. Cells beyond the box have
-   !! weight zero. Equations (M.12) and (M.13).
-   pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
+   !! the densities of its nodes are very different or where it has no particles and its nodes lack
+   !! volume; or by another rule. Cells beyond the box have weight zero. Equations (M.12) and
+   !! (M.13).
+   pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight, covered)
       class(dual_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: total(:, :) !! (component, node) Sums of the particles
       integer, intent(in) :: row                     !! Component that is their volume [m3]
       real(wp), contiguous, intent(in) :: node_volume(:) !! (node) Volume of the node [m3]
       real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 to 1
+      !> (cell) Part that particles cover, of `find_covered`; without it all cells count as covered
+      real(wp), contiguous, intent(in), optional :: covered(0:)
       real(wp) :: work(size(total, 2), 3)
       integer :: cell, node
       real(wp) :: density, inverse
@@ -117,9 +168,48 @@ contains
                contrast*light(node)/(-heavy(node)))
          end do
       end associate
+      if (present(covered)) call limit_gaps(grid, total, row, node_volume, covered, weight)
       if (self%surface == surface_cells) weight(:) = merge(1.0_wp, 0.0_wp, weight(:) > 0.0_wp)
       if (self%surface == surface_none) call fill_box(grid, node_volume, weight)
    end subroutine dual_cell_weights
+
+   !> Limit the weights of cells with few particles, by the two nodes of the edge with most fill: a
+   !! hole of one cell takes a part of each that is the volume of this cell, a gap between bodies
+   !! takes more. Where particles are farther apart than a cell, the nodes lack no volume; those at
+   !! a free surface do, but not those of the edge inside. Equation (M.13).
+   pure subroutine limit_gaps(grid, total, row, node_volume, covered, weight)
+      type(grid_t), intent(in) :: grid
+      real(wp), contiguous, intent(in) :: total(:, :) !! (component, node) Sums of the particles
+      integer, intent(in) :: row                     !! Component that is their volume [m3]
+      real(wp), contiguous, intent(in) :: node_volume(:) !! (node) Volume of the node [m3]
+      real(wp), contiguous, intent(in) :: covered(0:)    !! (cell) Part that particles cover [1]
+      real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 to 1
+      real(wp) :: fullest
+      integer :: cell, lane, node, direction
+
+      do cell = 0, grid%tile_cells - 1
+         if (.not. weight(cell) > covers*covered(cell)) cycle
+         fullest = 0.0_wp
+         do lane = 1, 2**grid%dimensions
+            node = grid%first_node(cell) + grid%lane_offset(lane)
+            do direction = 1, 3
+               if (ibits(lane - 1, lane_bit(direction), 1) == 1) fullest = max(fullest, &
+                  fill(node) + fill(node - grid%stride(direction)))
+            end do
+         end do
+         weight(cell) = min(weight(cell), max(covers*covered(cell), 0.0_wp, &
+            2.0_wp - real(2**grid%dimensions, wp)*(2.0_wp - fullest)))
+      end do
+
+   contains
+
+      !> Volume of the particles of a node over its volume.
+      pure real(wp) function fill(node)
+         integer, intent(in) :: node
+
+         fill = total(row, node)/node_volume(node)
+      end function fill
+   end subroutine limit_gaps
 
    !> Least of the values on the nodes of each cell, stored at its first node.
    pure subroutine least_around(grid, values)

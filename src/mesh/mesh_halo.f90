@@ -13,7 +13,7 @@ module mesh_halo
    use mesh_grid, only: grid_t
    use mesh_node_boxes, only: node_boxes_t
    use mesh_packed_patch, only: packed_patch_t
-   use mesh_patch, only: ensure_patch, extent_of
+   use mesh_patch, only: ensure_patch, ensure_weights, extent_of
    use mesh_tiles, only: neighbors, tiles_t
    implicit none
    private
@@ -200,21 +200,23 @@ contains
       self%words = self%words + int(words, int64)*size(self%tile)
    end subroutine send_words
 
-   !> Send key and packed patches of each border tile once to every rank that needs it. They are
-   !! sent as whole patches, because the boxes of tiles at a border change from step to step and the
-   !! length of a message must not.
-   subroutine halo_post_packed(self, communicator, grid, tiles, boxes, packed)
+   !> Send key, packed patches and values of the cells of each border tile once to every rank that
+   !! needs it. Patches are sent whole, because the boxes of tiles at a border change from step to
+   !! step and the length of a message must not.
+   subroutine halo_post_packed(self, communicator, grid, tiles, boxes, packed, cells)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       type(node_boxes_t), intent(in) :: boxes             !! Bounding boxes
       type(packed_patch_t), intent(in) :: packed(:)        !! Packed patches to send
+      real(wp), allocatable, intent(in) :: cells(:, :)     !! (cell, tile) If there are any
       real(wp), allocatable :: patch(:, :)
       integer :: entry, words, at, n
 
       if (communicator%size == 1) return
       words = 1 + sum(packed%rows)*grid%tile_nodes
+      if (allocated(cells)) words = words + size(cells, 1)
       call ensure_outgoing(self, words*size(self%tile))
       do n = 1, size(packed)
          allocate (patch(packed(n)%rows, grid%tile_nodes))
@@ -227,23 +229,31 @@ contains
          end do
          deallocate (patch)
       end do
+      if (allocated(cells)) then
+         do entry = 1, size(self%tile)
+            call as_words(size(cells, 1), cells(:, self%tile(entry)), &
+               self%posted%outgoing(entry*words - size(cells, 1) + 1))
+         end do
+      end if
       call send_words(self, communicator, words)
    end subroutine halo_post_packed
 
    !> Receive packed patches, and store their tiles as ghosts after the own tiles.
-   subroutine halo_complete_packed(self, communicator, grid, tiles, boxes, packed)
+   subroutine halo_complete_packed(self, communicator, grid, tiles, boxes, packed, cells)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       type(node_boxes_t), intent(inout) :: boxes          !! Get those of the ghosts, whole tiles
       type(packed_patch_t), intent(inout) :: packed(:)     !! Get those of the ghosts
+      real(wp), allocatable, intent(inout) :: cells(:, :)  !! (cell, tile) Get those of the ghosts
       real(wp), allocatable :: patch(:, :)
       integer :: words, length, message, at, n, tile, margin(3)
 
       if (communicator%size == 1) return
       call communicator%complete(self%posted, self%incoming, length)
       words = 1 + sum(packed%rows)*grid%tile_nodes
+      if (allocated(cells)) words = words + size(cells, 1)
       call set_ghosts(grid, tiles, self%incoming(1:length:words))
       call boxes%ensure(tiles%all)
       margin = merge(grid%margin, 0, grid%active)
@@ -262,6 +272,17 @@ contains
             call packed(n)%put(grid, boxes, tiles%table%find(self%incoming(at + 1)), 1, patch)
          end do
          deallocate (patch)
+      end do
+      if (.not. allocated(cells)) return
+      if (size(cells, 2) < tiles%all) then
+         patch = cells(:, :tiles%own)
+         call ensure_weights(cells, size(patch, 1), tiles%all)
+         cells(:, :tiles%own) = patch
+      end if
+      do message = 1, length/words
+         at = message*words - size(cells, 1)
+         call as_numbers(size(cells, 1), self%incoming(at + 1), &
+            cells(:, tiles%table%find(self%incoming((message - 1)*words + 1))))
       end do
    end subroutine halo_complete_packed
 

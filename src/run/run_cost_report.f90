@@ -144,7 +144,7 @@ contains
       field = 1
       if (allocated(simulation%effects%contact)) &
          field = simulation%effects%contact%field_of_body
-      call find_joined(simulation%space%grid, bodies, field, simulation%space%grid%reaches, joined)
+      call find_joined(simulation%space%grid, bodies, field, 1, joined)
       text = ""
       do n = 1, size(joined)
          if (n > most_lines) then
@@ -153,13 +153,8 @@ contains
             return
          end if
          text = text//"joined     bodies '"//bodies(joined(n)%one)%name//"' and '"// &
-            bodies(joined(n)%other)%name//"' "
-         if (joined(n)%distance == 1) then
-            text = text//"share nodes: they cannot slide or separate there"
-         else
-            text = text//"are one row of cells apart: the dual gradient couples them"
-         end if
-         text = text//" unless &contact gives them separate velocity fields"//new_line("a")
+            bodies(joined(n)%other)%name//"' share nodes: they cannot slide or separate there"// &
+            " unless &contact gives them separate velocity fields"//new_line("a")
       end do
    end function joined_text
 
@@ -293,7 +288,7 @@ contains
          if (method%remaps()) needs%extra = merge(4, 3, &
             method%transfer%affine() .and. .not. method%averages())
          if (method%controlled()) then
-            needs%mean = mean_before + size(stress_rows(space%grid))
+            needs%mean = mean_before + size(stress_rows(space%grid)) + 1
             needs%strain = size(gradient_rows(space%grid))*scheme%gradients()
          end if
          needs%rigid = allocated(space%rigid)

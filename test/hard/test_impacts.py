@@ -3,7 +3,7 @@
 
 Would catch: a run that stops because of an unimportant particle, energy gained or lost in debris, particles that
 accelerate or heat up without a physical cause, a line `trust` that reports "bad" for a valid run, or "ok" for an
-invalid one.
+invalid one; single particles that keep the strength of the solid while they expand, and so take the energy of others.
 
 A sphere of 4 mm diameter meets a plate, cells of 0.25 to 1 mm, all other keys at their defaults. Decks are in plane
 strain, axisymmetric and 3-D, and run until the sphere would have flown ten of its radii.
@@ -14,6 +14,11 @@ and U = c0 + s w/2, and leaves halfway between the surfaces; see doc/theory/visc
 material stopped from that speed. Energy balance: 1e-9; sand carries no internal energy, so the energy that transfers
 filter is missing, a known miss held at the 10 % at which `trust` becomes bad. The verdict of `trust` must not be bad
 for any entry, and ok for noise, speeds and energies.
+
+A rod of steel or aluminium on a plate of the same, without damage, is followed until particles have been drawn out to
+ten times their volume. Shocks of flat surfaces heat to (v/2)^2/2 and cores that stop to v^2/2; 1.2 v^2/2 is the limit
+for a particle. In the second half of the run fragments fly apart at constant speeds, less than v, and cool: steps are
+at least half of the longest.
 """
 # tiers: full, long
 # timeout: 900
@@ -140,3 +145,38 @@ def test_strike(options, sheet, name):
     sheet.require(not bad, f"{name}: trust is not bad: {sorted(bad)}")
     for key in ("noise", "speed", "heat"):
         sheet.require(trust[key]["verdict"] == "ok", f"{name}: {key} is ok: {trust[key]}")
+
+
+ROD = """
+&run  dimension='axisymmetric' /
+&units  system='mm-us-mg' /
+&grid  lo=0,0,-60  hi=60,1,60  dx={size} /
+&time  t_end=30 /
+&effects  contact=.true. /
+&material  name='m'  preset='{material}' /
+&region  name='rod'    shape='box'  lo=0,0,0  hi=4,1,8 /
+&region  name='plate'  shape='box'  lo=0,0,-4  hi=8,1,0 /
+&body  name='rod'    region='rod'    material='m'  velocity=0,0,-{speed} /
+&body  name='plate'  region='plate'  material='m' /
+&output  name='p'  kind='particles'  count=30  precision='double'  fields='energy','mass','volume' /
+&output  name='h'  kind='history'  every=5 /
+&checkpoint  at_end=.false. /
+"""
+
+
+@pytest.mark.parametrize("material, speed, size, density", (("steel_4340", 3.9, 1.0, 7830.0),
+                                                            ("al_6061_t6", 6.0, 0.8, 2703.0)))
+def test_drawn_out(options, sheet, material, speed, size, density):
+    """Particles that are drawn out of an impact without failing."""
+    run = case.Case(options, f"rod_{material}", ROD.format(material=material, speed=speed, size=size)).run("-q")
+    hottest = max(snap.fields["energy"].max() for _, snap in run.snapshots()) / (0.5e6 * speed ** 2)
+    widest = max((snap.fields["volume"] / snap.fields["mass"]).max() for _, snap in run.snapshots()) * density
+    # the last step ends at t_end
+    step = run.history["dt"][1:-1]
+    late = step[len(step) // 2:].min() / step.max()
+    label = f"rod of {material} at {speed:g} km/s"
+    sheet.require(widest > 10.0, f"{label}: a particle expands to ten times its volume, {widest:.3g}")
+    sheet.below(f"{label}: greatest energy per mass [v^2/2]", hottest, 1.2)
+    sheet.above(f"{label}: least late step over the longest", late, 0.5)
+    sheet.below(f"{label}: energy balance", run.summary["ledger"]["energy_error"], 1.0e-9)
+    sheet.below(f"{label}: momentum balance", run.summary["ledger"]["momentum_error"], 1.0e-12)

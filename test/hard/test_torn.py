@@ -2,7 +2,8 @@
 """A bar that is stretched without end, and a bar that breaks.
 
 Would catch: a strain that differs from that of the positions, a body that separates between particles too early,
-momentum or energy that breaking creates, an end that is strained more than the bar or compressed.
+momentum or energy that breaking creates, an end that is strained more than the bar or compressed; faces that pull each
+other over a gap of one empty cell.
 
 Particles fly apart with velocities that are linear in the position, at a load that does not decelerate them, so the
 ratio of volumes is exactly the stretch as long as particles interact. With any basis neighbours have a common node
@@ -17,7 +18,14 @@ is a known miss of the same target. An end that is not strained at all has an er
 Breaking conserves the energy of materials that carry an internal energy to rounding. For other materials the balance
 records the work of plastic flow and viscosity, and the energy of failed material has an error equal to the loss: target
 1 %, for sudden failure or with a fracture energy. With `failure_delay` the stress drops from above the strength and
-causes motion that nodes do not resolve: a known miss, held at 5 %. The halves pull with at most rho c v, so a broken
+causes motion that nodes do not resolve: a known miss, held at 5 %.
+
+Two blocks with one empty row of cells between them move apart: they share no node, so their stress is zero to rounding
+and their speed constant. The same for two halves of a plate that a notch one cell wide parts, but for a bridge beside
+its tip: until the wave from the bridge is there, the lips farther away have no stress; the bridge has that of the
+impedance, rho c v.
+
+The halves pull with at most rho c v, so a broken
 end gains at most the speed v of the halves: twice v is the limit.
 """
 # tiers: smoke, full
@@ -59,6 +67,21 @@ BREAK = """
 &output  name='p'  kind='particles'  count=4  precision='double'
   fields='identity','velocity','failed','volume','mass' /
 &output  name='h'  kind='history'  every=20 /
+&checkpoint  at_end=.false. /
+"""
+
+APART = """
+&run  dimension='{dimension}' /
+&grid  lo={low}  hi=40,40,40  dx=1 /
+&time  t_end=12 /
+&effects  artificial_viscosity=.false. /
+&material  name='block'  density=1  young=1  poisson=0 /
+&region  name='one'  shape='box'  lo={one}  hi={one_end} /
+&region  name='two'  shape='box'  lo={two}  hi={two_end} /
+&region  name='whole'  shape='union'  of='one','two'{bridge} /
+&region  name='bridge'  shape='box'  lo=30,0,20  hi=35,1,21 /
+&body  name='whole'  region='whole'  material='block'  velocity_formula={speed} /
+&output  name='p'  kind='particles'  count=6  precision='double'  fields='velocity','stress','volume','mass' /
 &checkpoint  at_end=.false. /
 """
 
@@ -143,3 +166,61 @@ def test_breaking(options, sheet):
             greatest = max(np.linalg.norm(snap.fields["velocity"], axis=1).max()
                            for _, snap in run.snapshots())
             sheet.below(f"{label}: greatest speed over that at the start", greatest / 3.0, 2.0)
+
+
+def test_gap(options, sheet):
+    """Blocks with an empty row of cells between them, and the lips of a notch, in all dimensions."""
+    speed = 1.0e-3
+    for name, dimension, low, one, one_end, two, two_end, axis in (
+            ("line", "1d", "0,0,0", "10,0,0", "18,1,1", "19,0,0", "27,1,1", 0),
+            ("plane", "plane_strain", "0,0,0", "5,0,10", "35,1,20", "5,0,21", "35,1,31", 2),
+            ("ring", "axisymmetric", "0,0,0", "2,0,10", "14,0,20", "2,0,21", "14,0,31", 2),
+            ("space", "3d", "0,0,0", "8,9,8", "13,14,12", "8,9,13", "13,14,17", 2))[
+                :tier.choose(4, smoke=2)]:
+        for notch in (False, True)[:2 if name == "plane" else 1]:
+            middle = 18.5 if axis == 0 else 0.5 * (float(one_end.split(",")[2]) + float(two.split(",")[2]))
+            words = ["'0'"] * 3
+            words[axis] = f"'{speed}*max(-1,min(1,10*({'xyz'[axis]}-{middle})))'"
+            run = case.Case(options, f"gap_{name}" + "_notch" * notch, APART.format(
+                dimension=dimension, low=low, one=one, one_end=one_end, two=two, two_end=two_end,
+                bridge=",'bridge'" if notch else "", speed=",".join(words))).run("-q")
+            label = f"gap {name}" + ", notch" * notch
+            most = tip = change = 0.0
+            for time, snap in run.snapshots():
+                side = np.sign(snap.points[:, axis] - middle)
+                stress = np.abs(snap.fields["stress"]).max(axis=1)
+                motion = np.abs(snap.fields["velocity"][:, axis] - speed * side)
+                # nothing is faster than the wave, c = 1, and what the mapping spreads in each step, two cells in all
+                far = snap.points[:, 0] < 30.0 - 8.0 - time if notch else side == side
+                most = max(most, stress[far].max() / speed)
+                change = max(change, motion[far].max() / speed)
+                tip = max(tip, stress.max() / speed)
+            sheet.below(f"{label}: stress beside the gap over rho c v", most, 1.0e-6 if notch else 1.0e-12)
+            sheet.below(f"{label}: change of the speed", change, 1.0e-6 if notch else 1.0e-12)
+            if notch:
+                sheet.above(f"{label}: stress at the tip over rho c v", tip, 1.0)
+
+
+HEAT = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=20,1,20  dx=1 /
+&time  t_end=0.02 /
+&effects  thermal=.true. /
+&material  name='m'  density=2700  eos_model='mie_gruneisen'  mg_c0=5350  mg_s=1.34  mg_gamma=0  specific_heat=900
+  shear=2.6e10  t_ref=293  conductivity=1.0e7 /
+&region  name='hot'   shape='box'  lo=5,0,11  hi=15,1,16 /
+&region  name='cold'  shape='box'  lo=5,0,5   hi=15,1,10 /
+&body  name='hot'   region='hot'   material='m'  temperature=393 /
+&body  name='cold'  region='cold'  material='m'  temperature=293 /
+&output  name='p'  kind='particles'  count=1  precision='double'  fields='temperature','body' /
+&checkpoint  at_end=.false. /
+"""
+
+
+def test_gap_heat(options, sheet):
+    """No heat crosses a row of empty cells."""
+    run = case.Case(options, "gap_heat", HEAT).run("-q")
+    _, last = run.snapshots()[-1]
+    cold = last.points[:, 2] < 10.5
+    sheet.below("gap: heating of the cold block [K]", np.abs(last.fields["temperature"][cold] - 293.0).max(), 1.0e-9)
+    sheet.below("gap: cooling of the hot block [K]", np.abs(last.fields["temperature"][~cold] - 393.0).max(), 1.0e-9)

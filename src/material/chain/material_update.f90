@@ -4,6 +4,8 @@
 module material_update
    use base_elementary, only: exponential
    use base_kinds, only: int64, wp
+   use material_expanded, only: count_expanded, cut_expanded_tension, &
+      keep_expanded_speed, remove_expanded_deviator
    use material_failed, only: failed_subset_t, remove_failed_stress
    use material_heat, only: cut_melted_tension, heat_particles
    use material_kinematics, only: dilate
@@ -308,6 +310,7 @@ contains
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first, last                 !! Particles of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
+      real(wp), allocatable :: square(:)                 ! of the speed of sound, if some are vapour
 
       ! Before the law, so that material without strength does not flow plastically.
       if (allocated(self%failure%failed_law)) then
@@ -317,8 +320,14 @@ contains
             call remove_failed_deviator(state, first, last)
       end if
       if (allocated(self%melting)) call remove_melted_deviator(self%melting, state, first, last)
+      if (some_expanded(self, state, first, last)) then
+         square = deformation%wave_speed(:last - first + 1)
+         call remove_expanded_deviator(self%density, state, first, last)
+      end if
       call self%law%update(state, deformation, first, last, dt)
       call self%law%add_wave_speed(state, deformation, first, last)
+      if (allocated(square)) call keep_expanded_speed(self%density, state, square, deformation, &
+         first, last)
    end subroutine update_deviator
 
    !> Cut the tension or let particles fail.
@@ -340,7 +349,21 @@ contains
       end if
       if (allocated(self%melting)) &
          call cut_melted_tension(self%melting, state, deformation, first, last)
+      if (some_expanded(self, state, first, last)) call cut_expanded_tension(self%density, state, &
+         deformation, first, last)
    end subroutine limit_tension
+
+   !> Has solid material of a range expanded to a fluid? Porous material and grains have their own
+   !! rules.
+   pure logical function some_expanded(self, state, first, last) result(some)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state          !! State of the store
+      integer, intent(in) :: first, last                   !! Particles of the range
+
+      some = allocated(self%eos) .and. allocated(state%energy) .and. &
+         .not. (allocated(self%voids) .or. allocated(state%porosity))
+      if (some) some = count_expanded(self%density, state, first, last) > 0
+   end function some_expanded
 
    !> Temperature after the step.
    pure subroutine update_temperature(self, state, deformation, first, last)

@@ -68,7 +68,7 @@ contains
          call set_burn_clock(simulation%materials, clock%time + dt)
          if (allocated(space%cell)) call space%cell%prepare(dt)
          if (allocated(effects%conduction)) call conduct_heat(space, simulation%materials, stores, &
-            scheme, effects%conduction, machine, scratch, dt)
+            fields, scheme, effects%conduction, machine, scratch, dt)
          if (method%heat_flux > 0.0_wp) call add_artificial_heat_flux(simulation, dt)
          do n = 1, size(fields)
             call give_to_particles(simulation, fields(n), gather_parts_t(work=scheme%works, &

@@ -9,8 +9,8 @@ module step_dual_gradient
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
    use step_bounds, only: are_nodes_slow
    use step_method, only: method_t, stress_after
-   use step_node_fields, only: dual_nodes_t, empty_mass, nodes_t, stress_rows, tensor_rows, &
-      vector_rows
+   use step_node_fields, only: dual_nodes_t, empty_mass, motion_nodes_t, nodes_t, stress_rows, &
+      tensor_rows, vector_rows
    use step_node_sums, only: divide_nodes, ensure_sums, keep_sums, count_slots
    use step_particles_to_nodes, only: nodes_seen
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
@@ -123,11 +123,27 @@ contains
          if (scheme%method%controlled()) return
          call grid%node_volume(coordinate, around)
          ! with normalised sums the weights are known
-         if (.not. allocated(scheme%normalises)) call scheme%dual%cell_weights(grid, sums, filled, &
-            around, dual%weight(:, tile))
-         if (field%other > 0) call drop_cells(space%grid, fields, field, tile)
+         if (field%other > 0 .and. .not. allocated(field%sides)) then
+            call weigh_cells(fields(field%other)%nodes%motion)
+            call fields(field%other)%sides%drop_cells(grid, tile, dual%weight(:, tile))
+         else
+            call weigh_cells(motion)
+            if (allocated(field%sides)) call field%sides%drop_cells(grid, tile, &
+               dual%weight(:, tile))
+         end if
          call widen_weighted(grid, dual, tile)
       end associate
+
+   contains
+
+      !> Weights by the sums on the nodes and the particles of both sides.
+      subroutine weigh_cells(both)
+         type(motion_nodes_t), intent(in) :: both    !! The first side has the particles of both
+
+         ! with normalised sums the weights are known
+         if (scheme%weighs()) call scheme%dual%cell_weights(space%grid, sums, filled, around, &
+            field%nodes%dual%weight(:, tile), both%covered(:, tile))
+      end subroutine weigh_cells
    end subroutine weigh_tile
 
    !> The box of the nodes of the cells of a tile that have a weight.
@@ -141,20 +157,6 @@ contains
       weighs = dual%weight(:, tile) > 0.0_wp
       call widen_box(grid, weighs, dual%weighted%box(:, :, tile))
    end subroutine widen_weighted
-
-   !> Give cells with nodes of two sides no weight, neither for the first side nor for the second.
-   subroutine drop_cells(grid, fields, field, tile)
-      type(grid_t), intent(in) :: grid
-      type(velocity_field_t), intent(in) :: fields(:)
-      type(velocity_field_t), intent(inout) :: field !! One of the fields of two sides
-      integer, intent(in) :: tile
-
-      if (allocated(field%sides)) then
-         call field%sides%drop_cells(grid, tile, field%nodes%dual%weight(:, tile))
-      else
-         call fields(field%other)%sides%drop_cells(grid, tile, field%nodes%dual%weight(:, tile))
-      end if
-   end subroutine drop_cells
 
    !> Contribution of the cells of a tile to the volumes of the nodes.
    subroutine share_tile(space, dual, dual_nodes, tile)

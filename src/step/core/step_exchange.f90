@@ -72,10 +72,10 @@ contains
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
             call space%halo%post_packed(communicator, space%grid, space%tiles, motion%touched, &
-               motion%packed(:kinds))
+               motion%packed(:kinds), motion%covered)
          else
             call space%halo%complete_packed(communicator, space%grid, space%tiles, motion%touched, &
-               motion%packed(:kinds))
+               motion%packed(:kinds), motion%covered)
          end if
          call machine%timer%stop(phase%exchange)
          if (part == inner_tiles) call machine%timer%move(phase%exchange, phase%wait, &

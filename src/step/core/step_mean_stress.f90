@@ -4,7 +4,8 @@
 !! (Q.2) to (Q.4) of doc/theory/quadratures.md.
 module step_mean_stress
    use base_kinds, only: wp
-   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use ddmp_dual, only: add_cell_moments
+   use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_dual_gradient, only: ensure_dual, find_volumes, share_cells, widen_weighted
@@ -34,7 +35,7 @@ contains
       rows = size(stress_rows(space%grid))
       associate (nodes => field%nodes, number => space%grid%tile_nodes)
          call machine%timer%start(machine%phase%scatter)
-         call ensure_patch(nodes%stress%mean, before + rows, number, space%tiles%own)
+         call ensure_patch(nodes%stress%mean, before + rows + 1, number, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
             !$omp parallel do default(none) private(n) schedule(dynamic, 1) &
@@ -51,6 +52,7 @@ contains
          call machine%timer%stop(machine%phase%scatter)
          call machine%timer%start(machine%phase%grid)
          call ensure_dual(space, scheme, scratches, nodes)
+         call ensure_weights(nodes%motion%covered, space%grid%tile_cells, space%tiles%all)
          call ensure_patch(nodes%stress%star, rows, number, space%tiles%all)
          call ensure_patch(nodes%stress%share, 1, number, space%tiles%all)
          !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
@@ -74,7 +76,8 @@ contains
       end associate
    end subroutine find_mean_stress
 
-   !> Mass, volume and stress of the particles of a tile.
+   !> Mass, volume and stress of the particles of a tile, and how far they cover its cells: the last
+   !! column has a value for each cell in place of the nodes, so that ghosts get it with the sums.
    subroutine scatter_tile(space, stores, scheme, field, scratch, tile, patch)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)
@@ -83,10 +86,12 @@ contains
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      real(wp) :: moments(0:3, space%grid%tile_cells)
       integer, allocatable :: rows(:)
       integer :: index, p, k
 
       call clear_patch(patch)
+      moments = 0.0_wp
       allocate (rows, source=stress_rows(space%grid))
       do index = field%first_store, field%last_store
          if (stores(index)%count(tile) == 0) cycle
@@ -102,10 +107,14 @@ contains
                   shape%values(p, before + k) = pushed%volume(p)*pushed%stress(p, rows(k))
                end do
             end do
-            call scheme%method%basis%scatter_values(space%grid, shape, size(patch, 1), &
+            call scheme%method%basis%scatter_values(space%grid, shape, before + size(rows), &
                shape%values, 0, patch)
+            call add_cell_moments(shape%start, store%first(tile), shape%local, &
+               store%state%volume, moments)
          end associate
       end do
+      call scheme%dual%find_covered(space%grid, space%tiles%coordinate(:, tile), moments, &
+         patch(size(patch, 1), :space%grid%tile_cells))
    end subroutine scatter_tile
 
    !> Weights of the cells of a tile, and the sums of its nodes until they are divided.
@@ -119,9 +128,11 @@ contains
 
       call assemble(space%grid, space%tiles, nodes%stress%mean, tile, total)
       nodes%stress%share(1, :, tile) = total(before, :)
-      nodes%stress%star(:, :, tile) = total(before + 1:, :)
+      nodes%stress%star(:, :, tile) = total(before + 1:size(total, 1) - 1, :)
+      nodes%motion%covered(:, tile) = nodes%stress%mean(size(total, 1), :space%grid%tile_cells, tile)
       call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
-      call scheme%dual%cell_weights(space%grid, total, before, around, nodes%dual%weight(:, tile))
+      call scheme%dual%cell_weights(space%grid, total, before, around, nodes%dual%weight(:, tile), &
+         nodes%motion%covered(:, tile))
       call widen_weighted(space%grid, nodes%dual, tile)
    end subroutine weigh_tile
 

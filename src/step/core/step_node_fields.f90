@@ -66,6 +66,7 @@ module step_node_fields
       !> Packed patches of mass, momentum, force, with the dual gradient volume; and of stress times
       !! volume
       type(packed_patch_t) :: packed(2)
+      real(wp), allocatable :: covered(:, :)         !! (cell, tile) Part with particles [1]
       !> Are the sums and velocities of a tile kept only while a thread works on it? Then packed
       !! patches keep the velocity and acceleration that the particles need
       logical :: lean = .false.
@@ -98,7 +99,7 @@ module step_node_fields
 
    !> Mean stress, and the strain that belongs to it.
    type :: stress_nodes_t
-      !> Patch: mass, volume, and stress times volume in the components of `stress_rows`
+      !> Patch: mass, volume, stress times volume in the components of `stress_rows`; cover of cells
       real(wp), allocatable :: mean(:, :, :)
       real(wp), allocatable :: star(:, :, :)         !! Mean stress, the same components [Pa]
       real(wp), allocatable :: share(:, :, :)        !! (1) Factor of the sums of particles [1/m3]
@@ -236,6 +237,7 @@ contains
       call tally%add(self%touched, .true.)
       call tally%add(self%packed(1), 1 + 2*needs%vector + merge(1, 0, needs%dual))
       call tally%add(self%packed(2), 0)
+      call tally%add(self%covered, needs%dual .and. needs%counted == 0)
       do n = 1, size(self%seen)
          call tally%add(self%seen(n), merge(needs%vector, 0, needs%lean))
       end do
@@ -269,7 +271,7 @@ contains
       type(node_tally_t), intent(inout) :: tally
 
       call tally%add(self%mean, needs%mean)
-      call tally%add(self%star, max(0, needs%mean - mean_before))
+      call tally%add(self%star, max(0, needs%mean - mean_before - 1))
       call tally%add(self%share, merge(1, 0, needs%mean > 0))
       call tally%add(self%strain, needs%strain)
    end subroutine count_stress

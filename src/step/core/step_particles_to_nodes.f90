@@ -2,9 +2,10 @@
 !> Scatter particles to the patches of nodes, tile by tile.
 module step_particles_to_nodes
    use base_kinds, only: int64, wp
+   use ddmp_dual, only: add_cell_moments
    use mesh_grid, only: grid_t
    use mesh_packed_patch, only: move_packed_patches
-   use mesh_patch, only: clear_patch, empty_box, widen_box
+   use mesh_patch, only: clear_patch, empty_box, ensure_weights, widen_box
    use mesh_surface_load, only: add_loads
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -47,6 +48,8 @@ contains
       call machine%timer%start(machine%phase%scatter)
       call find_boxes(space, stores, scheme, effects, machine, field)
       call ensure_motion(space%grid, scheme%method, field%nodes)
+      if (scheme%weighs()) call ensure_weights(field%nodes%motion%covered, space%grid%tile_cells, &
+         space%tiles%own)
       if (field%other > 0) then
          ! nodes of the other side of a field: those of tiles with parted nodes
          associate (touched => fields(field%other)%nodes%motion%touched)
@@ -178,13 +181,19 @@ contains
       integer, intent(in) :: tile
       real(wp) :: patch(merge(dual_columns, motion_columns, scheme%method%dual), &
          space%grid%tile_nodes)
+      real(wp) :: moments(0:3, space%grid%tile_cells)
       integer :: index
 
       call clear_patch(patch)
+      moments = 0.0_wp
       do index = field%first_store, field%last_store
          if (stores(index)%count(tile) == 0) cycle
          call scatter_store(space, stores, scheme, effects, field, scratch, index, tile, patch)
+         if (scheme%weighs()) call add_cell_moments(scratch%shape%start, &
+            stores(index)%first(tile), scratch%shape%local, stores(index)%state%volume, moments)
       end do
+      if (scheme%weighs()) call scheme%dual%find_covered(space%grid, &
+         space%tiles%coordinate(:, tile), moments, field%nodes%motion%covered(:, tile))
       if (field%other > 0) call scatter_other(space, stores, fields, scheme, field, &
          scratch, tile, patch)
       associate (nodes => field%nodes)

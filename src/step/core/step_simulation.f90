@@ -179,6 +179,7 @@ module step_simulation
       logical :: works = .false.                     !! Is work of stress or loads computed?
    contains
       procedure :: gradients => scheme_gradients     !! Number of velocity gradients of a step
+      procedure :: weighs => scheme_weighs           !! Are cells weighted by their particles?
    end type scheme_t
 
    !> Physical effects in addition to stress. Those that a scene does not use are not allocated.
@@ -274,6 +275,15 @@ contains
       longest = time
       if (allocated(self%cell)) longest = time*self%cell%greatest()
    end function space_mesh_time
+
+   !> Do weights of cells depend on the particles in them when the force acts? With normalised sums
+   !! and with a mean stress they are known before.
+   pure logical function scheme_weighs(self) result(weighs)
+      class(scheme_t), intent(in) :: self
+
+      weighs = self%method%dual .and. .not. (allocated(self%normalises) .or. &
+         self%method%controlled())
+   end function scheme_weighs
 
    !> Count the node fields of a velocity field, with those of its sides.
    pure subroutine count_field(self, needs, tally)

@@ -23,7 +23,8 @@ module step_conduction
    use step_method, only: method_t
    use step_node_sums, only: divide_nodes
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: conduction_t, machine_t, scheme_t, scratch_t, space_t
+   use step_simulation, only: conduction_t, machine_t, scheme_t, scratch_t, space_t, &
+      velocity_field_t
    use step_tile_cost, only: start_cost, stop_cost
    use transfer_scatter, only: dual_columns, motion_columns
    use transfer_shape_data, only: shape_data_t, spare
@@ -45,10 +46,11 @@ module step_conduction
 contains
 
    !> Conduct heat for one step. Particles are at the positions at which the forces were computed.
-   subroutine conduct_heat(space, materials, stores, scheme, heat, machine, scratches, dt)
+   subroutine conduct_heat(space, materials, stores, fields, scheme, heat, machine, scratches, dt)
       type(space_t), intent(inout) :: space
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)
+      type(velocity_field_t), intent(in) :: fields(:) !! Know how far particles cover cells
       type(scheme_t), intent(in) :: scheme
       type(conduction_t), intent(inout) :: heat
       type(machine_t), intent(inout) :: machine
@@ -57,7 +59,7 @@ contains
       integer :: tile
 
       call machine%timer%start(machine%phase%conduction)
-      call find_temperature(space, materials, stores, scheme, heat, machine, scratches)
+      call find_temperature(space, materials, stores, fields, scheme, heat, machine, scratches)
       call find_flow(space, materials, stores, scheme, heat, machine, scratches, dt)
       !$omp parallel do default(none) shared(space, materials, stores, scheme, heat, machine, &
       !$omp scratches, dt) private(tile) schedule(dynamic, 1)
@@ -72,10 +74,11 @@ contains
    end subroutine conduct_heat
 
    !> Temperature of the nodes, and its gradient for the dual gradient.
-   subroutine find_temperature(space, materials, stores, scheme, heat, machine, scratches)
+   subroutine find_temperature(space, materials, stores, fields, scheme, heat, machine, scratches)
       type(space_t), intent(inout) :: space
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(in) :: fields(:)
       type(scheme_t), intent(in) :: scheme
       type(conduction_t), intent(inout) :: heat
       type(machine_t), intent(inout) :: machine
@@ -102,7 +105,10 @@ contains
          call ensure_patch(heat%total, rows, nodes, space%tiles%all)
          call ensure_patch(heat%temperature, 1, nodes, space%tiles%all)
       end associate
-      if (scheme%method%dual) call ensure_dual(space, heat)
+      if (scheme%method%dual) then
+         call ensure_dual(space, heat)
+         call add_covers(fields, heat%weight(:, :space%tiles%all))
+      end if
       call each_tile(space, scheme, heat, machine, average_tile)
       if (scheme%method%dual) call each_tile(space, scheme, heat, machine, slope_tile)
    end subroutine find_temperature
@@ -155,6 +161,25 @@ contains
       if (allocated(store%state%solid_fraction)) &
          volume = volume*store%state%solid_fraction(particle)
    end function bulk_volume
+
+   !> Part of each cell that the particles of all velocity fields cover; 1 if it is not known.
+   pure subroutine add_covers(fields, covered)
+      type(velocity_field_t), intent(in) :: fields(:)
+      real(wp), intent(out) :: covered(:, :)         !! (cell, tile)
+      integer :: n
+      logical :: known
+
+      covered = 0.0_wp
+      known = .false.
+      do n = 1, size(fields)
+         associate (motion => fields(n)%nodes%motion)
+            if (.not. allocated(motion%covered)) cycle
+            covered = covered + motion%covered(:, :size(covered, 2))
+            known = .true.
+         end associate
+      end do
+      if (.not. known) covered = 1.0_wp
+   end subroutine add_covers
 
    !> Allocate the fields of the dual gradient.
    subroutine ensure_dual(space, heat)
@@ -227,13 +252,14 @@ contains
       end do
    end subroutine spread_content
 
-   !> Temperature of the nodes of a tile; weights of its cells, where conducting material is.
+   !> Temperature of the nodes of a tile; weights of its cells, where conducting material is, from
+   !! the covers that are in their place.
    subroutine average_tile(space, scheme, heat, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(conduction_t), intent(inout) :: heat
       integer, intent(in) :: tile
-      real(wp) :: around(space%grid%tile_nodes)
+      real(wp) :: around(space%grid%tile_nodes), covered(space%grid%tile_cells)
 
       associate (grid => space%grid, coordinate => space%tiles%coordinate(:, tile))
          call assemble(grid, space%tiles, heat%content, tile, heat%total(:, :, tile))
@@ -242,8 +268,9 @@ contains
          call hold_temperature(space, heat, tile)
          if (.not. scheme%method%dual) return
          call grid%node_volume(coordinate, around)
+         covered = heat%weight(:, tile)
          call scheme%dual%cell_weights(grid, heat%total(:, :, tile), filled, around, &
-            heat%weight(:, tile))
+            heat%weight(:, tile), covered)
          call clear_patch(heat%share(:, :, tile))
          call scheme%dual%add_volume(grid, coordinate, heat%weight(:, tile), &
             heat%share(:, :, tile))
