@@ -56,8 +56,10 @@ contains
          "least fill of the nodes; cells, 1 in cells without an empty node; none, 1 everywhere", &
          default="fill", owner="run.method = ddmp")
       call schema%words("method", "free_surface", surface_names)
-      call schema%text("method", "quadrature", "where the dual gradient is evaluated", &
-         default="point", owner="run.method = ddmp")
+      call schema%text("method", "quadrature", "where the dual gradient is evaluated: point, at "// &
+         "the particle; sub_points, mean over points of its box; control, at the particle, for "// &
+         "the stress less a mean stress of the nodes; default: control where stress_update is "// &
+         "usavg by default", default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "divide sums over particles by the sums of their "// &
          "weights, so that uniform pressure exerts no force: gases, in material without "// &
@@ -103,16 +105,17 @@ contains
 
       call schema%text("method", "stress_update", "when the stress is updated: usl after the "// &
          "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
-         "of both maps, which conserves energy; default: usl with ddmp, musl with mpm, with "// &
-         "transfer = apic or aflip, and where elastic bodies have contact", &
-         words="usl usf musl usavg")
+         "of both maps, which conserves energy; default with ddmp: usavg where all material is "// &
+         "elastic without internal energy, with flip or rflip and no keys that exclude it, musl "// &
+         "with apic or aflip, else usl; with mpm: musl", words="usl usf musl usavg")
       call schema%real("method", "unseen_strain", "fraction of the velocity change that nodes "// &
          "gain and particles do not receive that is used in the strain, with stress_update = "// &
          "'usavg'; damps pressure differences between particles; default: 0 where all material "// &
          "is elastic", default=brief(unseen_usual), range=">= 0 <= 1")
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
          "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &
-         "conserves the energy of thin bodies", default="point", words="point tiles", &
+         "conserves the energy of thin bodies; default: tiles with stress_update = 'usavg'", &
+         default="point", words="point tiles", &
          owner=turning)
    end subroutine declare_strain
 
