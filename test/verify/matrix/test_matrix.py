@@ -154,7 +154,8 @@ def test_matrix(options, sheet, pytestconfig):
     if not only:
         kinds_met = {key[0] for key in figures}
         sheet.require(kinds_met >= set(ALL), "the program has all methods that are listed here")
-        sheet.require(len(figures) == len(kinds_met) * len(TRANSFERS) * len(UPDATES) * len(TARGETS), f"all combinations were tried: {len(figures)}")
+        expected = len(kinds_met) * len(TRANSFERS) * len(UPDATES) * len(TARGETS)
+        sheet.require(len(figures) == expected, f"all combinations were tried: {len(figures)}")
     for key, result in figures.items():
         judge(sheet, key, result, worst)
     for group, (value, limit, target) in worst.items():
