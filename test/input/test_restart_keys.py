@@ -38,7 +38,7 @@ SCENES = {
                 "boundary.friction method.bulk_q1 method.bulk_q2 time.cfl"),
     "mpm": ({"run": "method='mpm'", "material": SOLID, "speed": 5,
              "more": "&method  transfer='flip'  stress_update='usavg' /"},
-            "method.flip method.unseen_strain material.bulk material.shear"),
+            "method.flip material.bulk material.shear"),
     "von_mises": ({"material": SOLID + "  strength_model='von_mises'  yield=1e5  hardening=1e6", "speed": 10},
                   "material.yield material.hardening"),
     "johnson_cook": ({"material": METAL + "  strength_model='johnson_cook'  jc_a=1e8  jc_b=4e8  jc_n=0.3  jc_c=0.01"

@@ -6,7 +6,8 @@ module material_kinds
    implicit none
    private
 
-   public :: all_gases, any_gas, is_fluid, is_gas, may_lock, stores_work, supports_any_shear
+   public :: all_gases, any_gas, are_cold, is_fluid, is_gas, may_lock, stores_work, &
+      supports_any_shear
 
    !> Poisson's ratio from which on particles keep their volume, so that few cells lock [1]
    real(wp), parameter :: nearly_incompressible = 0.45_wp
@@ -93,4 +94,16 @@ contains
          end associate
       end do
    end function stores_work
+
+   !> True if no material carries internal energy: then nothing records the energy that the method
+   !! dissipates.
+   pure logical function are_cold(materials) result(cold)
+      type(material_t), intent(in) :: materials(:)   !! Materials of the deck
+      integer :: index
+
+      cold = size(materials) > 0
+      do index = 1, size(materials)
+         cold = cold .and. .not. materials(index)%carries_energy()
+      end do
+   end function are_cold
 end module material_kinds

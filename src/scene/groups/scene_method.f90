@@ -2,13 +2,12 @@
 !> The group &method: its keys and the method that they select.
 module scene_method
    use base_kinds, only: wp
-   use base_text, only: brief
    use ddmp_alpha, only: alpha_names
    use ddmp_catalogue, only: quadrature_names
    use ddmp_dual, only: surface_names
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
-   use scene_method_defaults, only: set_method_defaults, unseen_usual
+   use scene_method_defaults, only: set_method_defaults
    use scene_dimension, only: is_dual
    use step_method, only: method_t, position_of, stress_after, stress_names
    use transfer_basis, only: basis_t
@@ -56,10 +55,10 @@ contains
          "least fill of the nodes; cells, 1 in cells without an empty node; none, 1 everywhere", &
          default="fill", owner="run.method = ddmp")
       call schema%words("method", "free_surface", surface_names)
-      call schema%text("method", "quadrature", "where the dual gradient is evaluated: point, at "// &
-         "the particle; sub_points, mean over points of its box; control, at the particle, for "// &
-         "the stress less a mean stress of the nodes; default: control where stress_update is "// &
-         "usavg by default", default="point", owner="run.method = ddmp")
+      call schema%text("method", "quadrature", "where the dual gradient is evaluated: "// &
+         "point, at the particle; sub_points, mean over points of its box; control, at the "// &
+         "particle, for the stress less a mean stress of the nodes; default: control where no "// &
+         "material has an internal energy and stress_update is usavg, else point", default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "divide sums over particles by the sums of their "// &
          "weights, so that uniform pressure exerts no force: gases, in material without "// &
@@ -105,18 +104,14 @@ contains
 
       call schema%text("method", "stress_update", "when the stress is updated: usl after the "// &
          "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
-         "of both maps, which conserves energy; default with ddmp: usavg where all material is "// &
-         "elastic without internal energy, with flip or rflip and no keys that exclude it, musl "// &
-         "with apic or aflip, else usl; with mpm: musl", words="usl usf musl usavg")
-      call schema%real("method", "unseen_strain", "fraction of the velocity change that nodes "// &
-         "gain and particles do not receive that is used in the strain, with stress_update = "// &
-         "'usavg'; damps pressure differences between particles; default: 0 where all material "// &
-         "is elastic", default=brief(unseen_usual), range=">= 0 <= 1")
+         "of both maps, which conserves energy; default with ddmp: usavg where no material has an "// &
+         "internal energy and no key excludes it, else usl, or musl with transfer = apic or "// &
+         "aflip and where elastic bodies have contact; with mpm: musl", &
+         words="usl usf musl usavg")
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
          "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &
          "conserves the energy of thin bodies; default: tiles with stress_update = 'usavg'", &
-         default="point", words="point tiles", &
-         owner=turning)
+         default="point", words="point tiles", owner=turning)
    end subroutine declare_strain
 
    !> Declare the keys of artificial viscosity and heat flux that concern nodes.
@@ -134,10 +129,11 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine read_method(method, deck, stored, gases, some_gas)
+   subroutine read_method(method, deck, stored, cold, gases, some_gas)
       type(method_t), intent(inout) :: method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Do all materials store work reversibly?
+      logical, intent(in) :: cold                    !! Does no material carry internal energy?
       logical, intent(in) :: gases                   !! Is all material a gas?
       logical, intent(in) :: some_gas                !! Is some material a gas or an explosive?
       type(group_t) :: group
@@ -145,7 +141,7 @@ contains
       class(basis_t), allocatable :: functions
       logical :: linear
 
-      call set_method_defaults(deck, stored, gases, some_gas)
+      call set_method_defaults(deck, stored, cold, gases, some_gas)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)
@@ -161,7 +157,6 @@ contains
       if (method%dual) call read_dual(method, deck, group)
       call group%get("stress_update", word)
       method%stress = max(position_of(word, stress_names), 1)
-      if (method%averages()) call group%get("unseen_strain", method%unseen)
       call group%get("transfer", word)
       call choose_velocity(word, method%transfer)
       if (.not. allocated(method%transfer)) call choose_velocity("flip", method%transfer)

@@ -17,22 +17,20 @@ module scene_method_defaults
 
    public :: set_method_defaults
 
-   !> Fraction of unresolved node velocities in the strain unless all material is elastic [1]
-   real(wp), parameter, public :: unseen_usual = 0.2_wp
-
 contains
 
    !> Set the defaults of &method that depend on other keys and on the material, and refuse
    !! incompatible keys.
-   subroutine set_method_defaults(deck, stored, gases, some_gas)
+   subroutine set_method_defaults(deck, stored, cold, gases, some_gas)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Do all materials store work reversibly?
+      logical, intent(in) :: cold                    !! Does no material carry internal energy?
       logical, intent(in) :: gases                   !! Is all material a gas?
       logical, intent(in) :: some_gas                !! Is some, or an explosive?
 
       logical :: averages
 
-      averages = stored
+      averages = cold
       if (averages) averages = may_average(deck)
       if (averages) call set_average_defaults(deck)
       call set_dependent_defaults(deck, averages)
@@ -40,14 +38,14 @@ contains
       if (stored .and. .not. averages) call set_contact_default(deck)
       if (stored) call set_elastic_defaults(deck)
       call set_turn_default(deck)
-      call check_unseen(deck)
       call check_normalise(deck)
       if (some_gas) call set_split_default(deck, gases)
    end subroutine set_method_defaults
 
-   !> Elastic bodies keep their energy with the strain of two velocities (usavg), and the mean stress
-   !! of the nodes (control) removes the noise that usavg does not damp. Other updates damp this
-   !! noise, and with it the energy of collisions and vibrations. doc/theory/methods_compared.md
+   !> Material without internal energy keeps its energy with the strain of two velocities (usavg),
+   !! and the mean stress of the nodes (control) removes the noise that usavg does not damp. Other
+   !! updates damp this noise, and with it the energy of collisions and vibrations, which nothing
+   !! records. doc/theory/methods_compared.md
    subroutine set_average_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
       type(group_t) :: group
@@ -175,7 +173,8 @@ contains
          trim(stress_names(stress_remapped)))
    end subroutine set_contact_default
 
-   !> With two velocities (usavg) elastic material conserves all of its energy by default.
+   !> With two velocities (usavg) elastic material conserves all of its energy by default: it needs
+   !! no filter of the velocities.
    subroutine set_elastic_defaults(deck)
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: update
@@ -185,8 +184,6 @@ contains
       call group%get("stress_update", update)
       if (update /= stress_names(stress_average)) return
       if (.not. group%given("flip")) call deck%set_default("method", 1, "flip", 1.0_wp)
-      if (.not. group%given("unseen_strain")) call deck%set_default("method", 1, "unseen_strain", &
-         0.0_wp)
    end subroutine set_elastic_defaults
 
    !> With two velocities the default rotation is that of the surroundings, because the rotation of
@@ -236,24 +233,6 @@ contains
       call deck%set_default("method", 1, "split", .true.)
       if (.not. gases) call deck%set_default("method", 1, "split_what", "gases")
    end subroutine set_split_default
-
-   !> Refuse unseen_strain where no strain uses it.
-   subroutine check_unseen(deck)
-      type(deck_t), intent(inout) :: deck            !! Collects errors
-      character(len=:), allocatable :: update
-      real(wp) :: share
-      type(group_t) :: group
-
-      group = deck%group("method", 1)
-      if (.not. group%given("unseen_strain")) return
-      call group%get("stress_update", update)
-      call group%get("unseen_strain", share)
-      if (update == stress_names(stress_average)) return
-      ! a deck written by the program contains its default
-      if (.not. abs(share - unseen_usual) > 0.0_wp) return
-      call deck%add_error(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
-         "'; remove one of the two [D355]", "unseen_strain")
-   end subroutine check_unseen
 
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
    subroutine check_normalise(deck)

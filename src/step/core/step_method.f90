@@ -32,7 +32,6 @@ module step_method
       character(len=:), allocatable :: normalise     !! Materials with normalised sums: gases, ...
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
-      real(wp) :: unseen = 0.0_wp !! Value of unseen_strain
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
       logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?

@@ -399,12 +399,8 @@ contains
          call divide_nodes(nodes%motion%mass(:, :, tile), 1, strain)
          if (scheme%method%averages()) then
             ! the velocity of the nodes of a tile at the end of a step, from the gain of the
-            ! particles and a fraction of the gain that they did not receive. Equation (T.9) of
-            ! doc/theory/transfers.md
-            associate (share => scheme%method%unseen)
-               strain = nodes%motion%velocity(:, :, tile) + (1.0_wp - share)*strain &
-                  + share*clock%kick*nodes%motion%acceleration(:, :, tile)
-            end associate
+            ! particles. Equation (T.9) of doc/theory/transfers.md
+            strain = nodes%motion%velocity(:, :, tile) + strain
          end if
          if (allocated(nodes%work%velocity_removed)) mapped = strain
          if (walls_touch(space, tile)) then
