@@ -36,7 +36,7 @@ METHODS = {                                  # name: value of `method` of &run, 
     "cpdi": ("mpm", "basis='cpdi'"),
 }
 # Variants of every method, in the last word of their names: transfer and stress update. The default of `ddmp` is usl
-# unless all material is elastic, that of `mpm` with any basis is musl.
+# with materials that have an internal energy, that of `mpm` with any basis is musl.
 UPDATES = {
     "musl": "transfer='flip' stress_update='musl'",
     "usl": "transfer='rflip' stress_update='usl'",
