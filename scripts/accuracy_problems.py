@@ -35,8 +35,8 @@ METHODS = {                                  # name: value of `method` of &run, 
     "cubic": ("mpm", "basis='cubic'"),
     "cpdi": ("mpm", "basis='cpdi'"),
 }
-# Variants of every method, in the last word of their names: transfer and stress update. The default of `ddmp` is usl,
-# that of `mpm` with any basis is musl.
+# Variants of every method, in the last word of their names: transfer and stress update. The default of `ddmp` is usl
+# with materials that have an internal energy, that of `mpm` with any basis is musl.
 UPDATES = {
     "musl": "transfer='flip' stress_update='musl'",
     "usl": "transfer='rflip' stress_update='usl'",
@@ -299,7 +299,7 @@ PROBLEMS = {
     "taylor": Problem(
         "copper bar on a wall: length, foot and waist", 2,
         bar, bar_error, (6, 9, 15, 21), (2, 3), (0.4, 0.7), 6,
-        without=("ddmp control",)),          # it does not include the hoop stress
+        without=("ddmp control",)),          # not measured there
     "slope": Problem(
         "grains on a slope: speed", 2,
         slope, slope_error, (3, 4, 5, 7), (2, 3), (0.4, 0.7), 4),

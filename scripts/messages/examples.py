@@ -218,9 +218,6 @@ DECKS = {
     "D344": (
         "plain", "'metal' /", f"'metal' /\n{SECOND}{MODE}  bodies = 'one' /",
         f"'metal' /\n{SECOND}{MODE}  bodies = 'one' 'two' /"),
-    "D345": (
-        "sand", "'axisymmetric' /", "'axisymmetric' /\n&method quadrature = 'lsd' /",
-        "'axisymmetric' /\n&method quadrature = 'point' /"),
     "D423": (
         SOIL, "initial_stress = 'lithostatic'", "initial_stress = 'lithostatic'", "initial_stress = 'zero'"),
     "D430": ("shock", "dt = 1 /", "dt = 1e-6 /", None),

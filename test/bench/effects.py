@@ -118,7 +118,6 @@ EFFECTS = {
     "forces": (None, scene(), scene() + FORCES),
     "antilock": (scene(method="antilock='none'"), scene(), scene(method="antilock='bbar'")),
     "sub_points": (scene(method="quadrature='point'"), scene(), scene(method="quadrature='sub_points'")),
-    "lsd": (scene(method="quadrature='point'"), scene(), scene(method="quadrature='lsd'")),
 }
 
 

@@ -141,14 +141,14 @@ def test_rings(options, sheet):
     box = (0.25, 0.5, 0.1), 0.002, 6e-3
     good = run(options, "rings", RINGS, *box)
     sheet.below("rings: energy", good.summary["ledger"]["energy_error"], 0.02)
-    bad = run(options, "rings_default", RINGS, *box, method="")
-    sheet.above("rings, default: energy that is lost", -bad.summary["ledger"]["energy_error"], 0.1)
+    bad = run(options, "rings_usl", RINGS, *box, method="stress_update='usl'")
+    sheet.above("rings, usl: energy that is lost", -bad.summary["ledger"]["energy_error"], 0.1)
     said = [line for line in bad.path(".log").read_text().splitlines() if "of the energy is lost" in line]
     sheet.require(len(said) == 1 and "usavg" in said[0] and "flip" not in said[0],
-                  f"rings, default: one warning with the remedy: {said}")
+                  f"rings, usl: one warning with the remedy: {said}")
     # the number is that of the lines balance and trust
     lost = f"{-100.0 * bad.summary['ledger']['energy_error']:.1f} % of the energy is lost"
-    sheet.require(len(said) == 1 and lost in said[0], f"rings, default: the error of the balance, {lost}: {said}")
+    sheet.require(len(said) == 1 and lost in said[0], f"rings, usl: the error of the balance, {lost}: {said}")
     sheet.require("of the energy" not in good.path(".log").read_text(), "rings: no warning after the advice")
     some = run(options, "rings_damped", RINGS, *box, method=KEEPS + "  flip=0.999").summary
     sheet.below("rings, damped: energy", some["ledger"]["energy_error"], 0.02)

@@ -9,8 +9,8 @@ CELLS = [
      "&cell: &cell needs periodic faces in all directions, and x has none; write &boundary face = 'all'"),
     ("cell", "&time", "&method transfer = 'apic' /\n&time", 3,
      "&method: &cell needs transfer = 'flip' or 'pic', not 'apic'"),
-    ("cell", "&time", "&method quadrature = 'control' /\n&time", 3,
-     "&method: &cell needs quadrature = 'point' or 'lsd', not 'control'"),
+    ("cell", "&time", "&method quadrature = 'sub_points' /\n&time", 3,
+     "&method: &cell needs quadrature = 'point' or 'control', not 'sub_points'"),
     ("cell", "&time", "&effects gravity = .true. /\n&time", 3,
      "&effects: &cell cannot be combined with gravity: a periodic cell has no bottom; remove it"),
     ("cell", "&time", "&method split = .true. /\n&time", 3,
@@ -449,10 +449,6 @@ RARE = [
      "'metal' /\n&body name = 'two' region = 'ball' material = 'metal' /\n&exact"
      " solution = 'bar_mode' bar_length = 1 mode_speed = 1 bodies = 'one' /", 8,
      "&body 'two': has the same material as a body in &exact; add it to bodies of &exact, or"),
-    ("plain", "'plane_strain'", "'axisymmetric' /\n&method quadrature = 'lsd'", 2,
-     "&method: quadrature = 'lsd' does not include the hoop stress of dimension ="),
-    ("plain", "'plane_strain'", "'axisymmetric' /\n&method quadrature = 'control'", 2,
-     "&method: quadrature = 'control' does not include the hoop stress of dimension ="),
 ]
 
 # Allowed but implausible values: the same rows, with the warning.

@@ -156,7 +156,7 @@ def test_bits(options, sheet):
     sheet.require(len(seen) == 6, "every basis gives another state")
 
     seen = set()
-    for rule in ("point", "control", "lsd"):
+    for rule in ("point", "sub_points", "control"):
         deck = wide.format(**{**words, "words": f"quadrature='{rule}'", "steps": 40, "block": 5})
         _, digest = compare(options, sheet, f"block_{rule}", deck, ((1, 1), (2, 2), (3, 1)))
         seen.add(digest)

@@ -179,10 +179,9 @@ def energy(verdict, scene, table, told):
     made, lost = float(error.max()), float(-error.min())
     limit = 1.0e-9 if exact else 0.05 if scene.contact else 0.02
     if made > limit:
-        verdict.find("check" if exact and scene.method.open_books else "bad",
-                     "energy made" + (" (carried)" if exact else ""), number(made, exact))
+        verdict.find("bad", "energy made" + (" (carried)" if exact else ""), number(made, exact))
     if lost > limit and (exact or not scene.method.filters):
-        excused = scene.method.open_books if exact else told or lost < 1.5 * limit
+        excused = not exact and (told or lost < 1.5 * limit)
         verdict.find("check" if excused else "bad", "energy lost" + (" (carried)" if exact else ""),
                      number(lost, exact))
 

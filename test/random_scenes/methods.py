@@ -20,8 +20,7 @@ class Method:
     cfl: float = 0.4
     filters: bool = False         # loses kinetic energy by design
     unstable: bool = False        # documented as unstable in doc/theory/methods_compared.md
-    loses_momentum: bool = False  # documented as not conserving momentum in doc/theory/quadratures.md
-    open_books: bool = False      # documented as not conserving energy exactly in doc/theory/quadratures.md
+    loses_momentum: bool = False  # documented as not conserving momentum in doc/reference/output.md
     split: bool = False
 
     @property
@@ -74,9 +73,7 @@ def draw(chance, plan):
         method.time["strain_max"] = chance.choose([0.1, 0.2, 0.5])
     method.filters = word in FILTERS or keys.get("flip", 1.0) < 0.999
     update = keys.get("stress_update", "usl" if dual else "musl")
-    method.loses_momentum = (keys.get("quadrature") == "lsd" or keys.get("paper", False)
-                             or keys.get("free_surface", "fill") == "none")
-    method.open_books = keys.get("quadrature") in ("control", "lsd")
+    method.loses_momentum = keys.get("paper", False) or keys.get("free_surface", "fill") == "none"
     # unstable: linear functions of the plain method, usf with linear velocity fields, a large cfl, and a dual gradient
     # without a local part
     method.unstable = (not dual and keys.get("basis", "linear") == "linear") or (
@@ -91,8 +88,7 @@ def draw_dual(chance, plan, keys):
         keys.pop("transfer", None)
         return
     if chance.true(0.3):
-        keys["quadrature"] = chance.choose(["point", "sub_points"] if plan.dimension == "axisymmetric" else
-                                           ["point", "sub_points", "control", "lsd"])
+        keys["quadrature"] = chance.choose(["point", "sub_points", "control"])
     if chance.true(0.2) and keys.get("quadrature") != "sub_points":
         keys["alpha"] = chance.choose(["split", "product", "bubble_squared"])
     if chance.true(0.2):

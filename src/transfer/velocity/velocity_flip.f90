@@ -29,7 +29,8 @@ contains
       class(velocity_flip_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("method", "flip", "FLIP fraction; the rest is PIC", default="0.999", &
+      call schema%real("method", "flip", "FLIP fraction; the rest is PIC; default: 1 "// &
+         "with stress_update = 'usavg' where all material is elastic", default="0.999", &
          range=">= 0 <= 1", owner="transfer = flip aflip rflip")
    end subroutine flip_declare
 
