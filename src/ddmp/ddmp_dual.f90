@@ -300,7 +300,7 @@ contains
 
    !> Add the radial force of the hoop stress of the nodes, - sum_j sigma_j int_c S_j S_i / r dv, of
    !! the cells of a tile to a patch; the ring is 2 pi r thick, so the integrals are those of a plane.
-   !! Equation (Q.5) of doc/theory/quadratures.md.
+   !! Equation (Q.6) of doc/theory/quadratures.md.
    pure subroutine dual_add_hoop_force(self, grid, weight, stress, patch)
       class(dual_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -138,7 +138,7 @@ contains
 
    !> Mean stress of the nodes of a tile, and the factor of its sums: 1 over the volume of the
    !! particles inside of bodies, where all cells around count in full, and 0 if one of them does not
-   !! count. Equation (Q.2).
+   !! count. Equations (Q.2) and (Q.5).
    subroutine divide_tile(space, nodes, tile)
       type(space_t), intent(in) :: space
       type(nodes_t), intent(inout) :: nodes
