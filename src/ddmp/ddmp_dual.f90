@@ -299,7 +299,7 @@ contains
    end subroutine dual_add_gradient
 
    !> Add the radial force of the hoop stress of the nodes, - sum_j sigma_j int_c S_j S_i / r dv, of
-   !! the cells of a tile to a patch; the ring is 2 pi r thick, so the integrals are those of a plane.
+   !! the cells of a tile to a patch; rings are 2 pi r thick, so the integrals are those of a plane.
    !! Equation (Q.6) of doc/theory/quadratures.md.
    pure subroutine dual_add_hoop_force(self, grid, weight, stress, patch)
       class(dual_t), intent(in) :: self

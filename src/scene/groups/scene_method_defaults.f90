@@ -53,7 +53,8 @@ contains
       group = deck%group("method", 1)
       if (.not. group%given("stress_update")) call deck%set_default("method", 1, "stress_update", &
          trim(stress_names(stress_average)))
-      if (.not. group%given("quadrature")) call deck%set_default("method", 1, "quadrature", "control")
+      if (.not. group%given("quadrature")) &
+         call deck%set_default("method", 1, "quadrature", "control")
    end subroutine set_average_defaults
 
    !> Do the keys of the deck allow the strain of two velocities with a mean stress of the nodes?

@@ -46,7 +46,8 @@ contains
 
       call read_materials(deck, simulation)
       call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
-         are_cold(simulation%materials), all_gases(simulation%materials), any_gas(simulation%materials))
+         are_cold(simulation%materials), all_gases(simulation%materials), &
+         any_gas(simulation%materials))
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)

@@ -279,7 +279,8 @@ contains
       call clear_patch(patch)
       call dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
          dual_nodes%weight(:, tile), velocity, patch)
-      if (dual%hoops) call dual%add_hoop_rate(space%grid, dual_nodes%weight(:, tile), velocity, patch)
+      if (dual%hoops) call dual%add_hoop_rate(space%grid, dual_nodes%weight(:, tile), velocity, &
+         patch)
       call gradient%put(space%grid, dual_nodes%weighted, tile, 1, patch)
    end subroutine store_gradient
 

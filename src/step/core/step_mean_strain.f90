@@ -13,7 +13,7 @@ module step_mean_strain
    use step_node_view, only: gather_parts_t, set_view, view_t
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, velocity_field_t
-   use step_strain_particles, only: gather_gradient
+   use step_strain_particles, only: gather_rate
    use step_tile_cost, only: start_cost, stop_cost
    use transfer_shape_data, only: spare
    implicit none
@@ -118,7 +118,7 @@ contains
 
       associate (space => simulation%space, method => simulation%scheme%method, &
          shape => scratch%shape, store => simulation%stores(index))
-         call gather_gradient(space%grid, method, scratch, store, tile, velocity, gradient, 1.0_wp)
+         call gather_rate(space%grid, method, scratch, store, tile, velocity, gradient, 1.0_wp)
          weight = 1.0_wp
          if (allocated(space%cell)) weight = 1.0_wp/space%cell%stretch%volume
          allocate (rows, source=gradient_rows(space%grid))

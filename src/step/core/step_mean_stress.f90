@@ -129,7 +129,8 @@ contains
       call assemble(space%grid, space%tiles, nodes%stress%mean, tile, total)
       nodes%stress%share(1, :, tile) = total(before, :)
       nodes%stress%star(:, :, tile) = total(before + 1:size(total, 1) - 1, :)
-      nodes%motion%covered(:, tile) = nodes%stress%mean(size(total, 1), :space%grid%tile_cells, tile)
+      nodes%motion%covered(:, tile) = &
+         nodes%stress%mean(size(total, 1), :space%grid%tile_cells, tile)
       call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
       call scheme%dual%cell_weights(space%grid, total, before, around, nodes%dual%weight(:, tile), &
          nodes%motion%covered(:, tile))
@@ -137,8 +138,8 @@ contains
    end subroutine weigh_tile
 
    !> Mean stress of the nodes of a tile, and the factor of its sums: 1 over the volume of the
-   !! particles inside of bodies, where all cells around count in full, and 0 if one of them does not
-   !! count. Equations (Q.2) and (Q.5).
+   !! particles inside of bodies, where all cells around count in full, and 0 if one of them does
+   !! not count. Equations (Q.2) and (Q.5).
    subroutine divide_tile(space, nodes, tile)
       type(space_t), intent(in) :: space
       type(nodes_t), intent(inout) :: nodes

@@ -99,12 +99,12 @@ module step_node_fields
 
    !> Mean stress, and the strain that belongs to it.
    type :: stress_nodes_t
-      !> Patch: mass, volume, stress times volume in the components of `stress_rows`; cover of cells
+      !> Mass, volume, stress times volume in the components of `stress_rows`, cover of cells
       real(wp), allocatable :: mean(:, :, :)
       real(wp), allocatable :: star(:, :, :)         !! Mean stress, the same components [Pa]
       real(wp), allocatable :: share(:, :, :)        !! (1) Factor of the sums of particles [1/m3]
-      !> Patch: velocity gradients times volume in the components of `gradient_rows`, of the strain,
-      !! before the step, of the work [m3/s]
+      !> Velocity gradients times volume in the components of `gradient_rows`, of the strain, before
+      !! the step, of the work [m3/s]
       real(wp), allocatable :: strain(:, :, :)
    contains
       procedure :: count => count_stress

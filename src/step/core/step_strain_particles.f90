@@ -24,7 +24,7 @@ module step_strain_particles
    implicit none
    private
 
-   public :: add_gradient, affine_from_strain, find_gradient, gather_gradient, strain_particles
+   public :: add_gradient, affine_from_strain, find_gradient, gather_rate, strain_particles
 
 contains
 
@@ -132,7 +132,7 @@ contains
       integer :: p, k
 
       associate (grid => space%grid, shape => scratch%shape, start => store%cell_start(:, tile))
-         call gather_gradient(grid, method, scratch, store, tile, velocity, gradient, dt)
+         call gather_rate(grid, method, scratch, store, tile, velocity, gradient, dt)
          if (method%controlled()) then
             call method%basis%gather_values(grid, shape, surplus, shape%values)
             allocate (rows, source=gradient_rows(grid))
@@ -156,7 +156,7 @@ contains
    end subroutine find_gradient
 
    !> The same before the means of the nodes are exact, on a mesh at rest.
-   subroutine gather_gradient(grid, method, scratch, store, tile, velocity, gradient, dt)
+   subroutine gather_rate(grid, method, scratch, store, tile, velocity, gradient, dt)
       type(grid_t), intent(in) :: grid
       type(method_t), intent(in) :: method
       type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
@@ -175,7 +175,7 @@ contains
       end if
       if (grid%axisymmetric) call method%basis%gather_hoop(grid, scratch%shape, &
          store%first(tile), store%position, velocity, dt, scratch%deformation%gradient)
-   end subroutine gather_gradient
+   end subroutine gather_rate
 
    !> Add the difference between the sides of nodes to a velocity gradient times the time step.
    subroutine add_gradient(grid, stores, sides, scratch, index, tile, difference, dt)
