@@ -57,6 +57,17 @@ def test_control(options, sheet):
                     manufactured.dispersion("ddmp", 240, amplitude=0.1))
 
 
+@FULL
+@pytest.mark.parametrize("dimension, cells", [("1d", WIDE), ("plane_strain", (11, 17, 25, 38)), ("3d", (6, 8, 11, 15))])
+def test_two_velocities(options, sheet, dimension, cells):
+    """Second order with two particles a cell along each direction with `usavg`, whose default is the control variate."""
+    line = manufactured.waves(options, "usavg", words="stress_update='usavg'", ppc=2, cells=cells, dimension=dimension)
+    sheet.above(f"usavg, {dimension}: order", line.order(), 1.9)
+    for coarse, fine in zip(cells, cells[1:]):
+        order = math.log(line.error(coarse) / line.error(fine)) / math.log(fine / coarse)
+        sheet.above(f"usavg, {dimension}: order from {coarse} to {fine} cells", order, 1.9)
+
+
 def judge_others(options, sheet, default):
     """Methods that fail in this case, and methods that do not."""
     lines = {basis: manufactured.waves(options, basis, "mpm",
