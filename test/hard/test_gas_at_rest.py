@@ -12,17 +12,18 @@ At rest: closed box, uniform pressure, jittered particles, ten thousand steps on
 Rounding errors of 1e-16 of the pressure in each step, all with one sign, add up to 1e4 1e-16 = 1e-12 of the speed of
 sound; limit 1e-10 of it. The same gas without normalised sums must move by more than 1e-3 of it within 300 steps;
 otherwise the scene shows nothing. With the mean stress of the nodes (`control`) it stays at rest without these sums.
-Slow piston: 7.5 m/s against 340 m/s, to 40 % of the length: shocks of Mach 0.02 produce negligible entropy, so the pressure is that of the adiabat, p V^1.4 constant; target 1 % for the mean over the
-volume and 2 % for the deviation from it, of which 0.5 % is the sound wave of the start that travels back and forth; on
-a line, in a plane and in space, also with other transfers. The sum of the volumes equals the volume in front of the
-piston within 1e-3 of it, the volume that the piston sweeps in a step or half of one. The same bits for any ranks and
-threads and after a restart while the piston moves. In axisymmetry material converges beside the wall, so particles are
-lost to cut cells without particles: 1 % of the volume there. Explosion: radius of the shock by J. R. Kamm, F. X.
-Timmes, LA-UR-07-2849 (2007), gamma = 1.4, which is 0.75 at time 1 for the cylinder and 1 for the sphere. A shock may be
-spread over six cells (H-10 in test/hard/README.md); the position at which the density of such a peak has half its
-greatest value is outside of it by at most a quarter of that width, 1.5 cells. Particles that have become long are
-split, so no cell is empty and their volumes sum up to the box: 1e-3, the error of second order of strains of 0.3 in a
-step. Energy in all scenes: rounding, 1e-12.
+Slow piston: 7.5 m/s against 340 m/s, to 40 % of the length: shocks of Mach 0.02 produce negligible entropy, so the
+pressure is that of the adiabat, p V^1.4 constant; target 1 % for the mean over the volume and 2 % for the deviation
+from it, of which 0.5 % is the sound wave of the start that travels back and forth; on a line, in a plane and in space,
+also with other transfers. The sum of the volumes equals the volume in front of the piston within 1e-3 of it, the volume
+that the piston sweeps in a step or half of one. The same bits for any ranks and threads and after a restart while the
+piston moves. In axisymmetry material converges beside the wall, so particles are lost to cut cells without particles: 1
+% of the volume there. Explosion: radius of the shock by J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007), gamma = 1.4,
+which is 0.75 at time 1 for the cylinder and 1 for the sphere. A shock may be spread over six cells (H-10 in
+test/hard/README.md); the position at which the density of such a peak has half its greatest value is outside of it by
+at most a quarter of that width, 1.5 cells. Particles that have become long are split, so no cell is empty and their
+volumes sum up to the box: 1e-3, the error of second order of strains of 0.3 in a step. Energy in all scenes: rounding,
+1e-12.
 """
 # tiers: smoke, full
 # timeout: 600

@@ -60,7 +60,7 @@ def test_control(options, sheet):
 @FULL
 @pytest.mark.parametrize("dimension, cells", [("1d", WIDE), ("plane_strain", (11, 17, 25, 38)), ("3d", (6, 8, 11, 15))])
 def test_two_velocities(options, sheet, dimension, cells):
-    """Second order with two particles a cell along each direction with `usavg`, whose default is the control variate."""
+    """Second order with two particles a cell along each direction: `usavg` with its default, the control variate."""
     line = manufactured.waves(options, "usavg", words="stress_update='usavg'", ppc=2, cells=cells, dimension=dimension)
     sheet.above(f"usavg, {dimension}: order", line.order(), 1.9)
     for coarse, fine in zip(cells, cells[1:]):
