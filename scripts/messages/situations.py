@@ -62,7 +62,7 @@ MEET = """&run dimension = 'plane_strain' /
 &body name = 'left'   region = 'left'   material = 'rubber'  velocity = 300 0 0 /
 &body name = 'right'  region = 'right'  material = 'rubber'  velocity = -300 0 0 /
 """
-PRESSED = MEET.replace("cfl = 0.9  dt_min = 2e-3", "volume_ratio_min = 0.5").replace("lo = 5", "lo = 4").replace(
+PRESSED = MEET.replace("cfl = 0.9  dt_min = 2e-3", "volume_ratio_min = 0.6").replace("lo = 5", "lo = 4").replace(
     "hi = 7", "hi = 6")
 PULLED = BAR.replace("1e-4", "1e-3  volume_ratio_max = 1.02").replace("lo = 0.3 0 0", "lo = 0 0 0").replace(
     "1 0 0 /\n", "100 0 0 /\n&boundary face = 'xlo'  type = 'stick' /\n")
@@ -320,7 +320,7 @@ SITUATIONS = {
             "  dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0", "")}},
     "R106": {
         "files": {"scene.nml": PRESSED}, "text": "The complete deck of soft blocks that collide at eight times "
-        "their speed of sound; the limit of compression is half the volume:", "shows": PRESSED, "commands": [RUN],
+        "their speed of sound; the limit of compression is 60 % of the volume:", "shows": PRESSED, "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.volume_ratio_min=0.01"]},
     "R107": {
         "files": {"scene.nml": PULLED}, "text": "The complete deck of a bar that is pulled from a wall; the limit "
@@ -330,9 +330,9 @@ SITUATIONS = {
         "files": {"scene.nml": DROP}, "text": "The complete deck of a falling cube:", "shows": DROP,
         "commands": [RUN], "then": ["scree -q --overwrite scene.nml --set time.speed_max=100"]},
     "R109": {
-        "files": {"scene.nml": PRESSED.replace("min = 0.5", "min = 0.5  on_bad = 'retire'")},
+        "files": {"scene.nml": PRESSED.replace("min = 0.6", "min = 0.6  on_bad = 'retire'")},
         "text": "The deck of R106 with `on_bad = 'retire'`:",
-        "shows": "&time t_end = 0.02  volume_ratio_min = 0.5  on_bad = 'retire' /", "commands": [RUN],
+        "shows": "&time t_end = 0.02  volume_ratio_min = 0.6  on_bad = 'retire' /", "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.retire_max=0.5"]},
     "R110": {
         "files": {"scene.nml": DROP}, "text": "The deck of R108:",

@@ -14,7 +14,7 @@ module material_expanded
 
    public :: count_expanded, cut_expanded_tension, keep_expanded_speed, remove_expanded_deviator
 
-   real(wp), parameter :: widest = 2.0_wp            !! Greatest volume of a solid over that at rest
+   real(wp), parameter :: widest = 3.0_wp            !! Greatest volume of a solid over that at rest
 
 contains
 
