@@ -204,10 +204,10 @@ contains
    contains
 
       !> Volume of the particles of a node over its volume.
-      pure real(wp) function fill(node)
+      pure real(wp) function fill(node) result(share)
          integer, intent(in) :: node
 
-         fill = total(row, node)/node_volume(node)
+         share = total(row, node)/node_volume(node)
       end function fill
    end subroutine limit_gaps
 

@@ -123,7 +123,7 @@ contains
          fault = find_fault(fields(n), k, with_exact, grid, with_gravity)
          if (fault == "" .and. .not. (columns%rule%takes_all() .or. of_particles(k))) &
             fault = "is known for all material only, not for bodies or a region; there are: "// &
-            join_names(list)//" [D369]"
+            join_names(list)//" [D345]"
          if (fault /= "") then
             call fail(error, exit_input, "output field '"//trim(fields(n))//"' "//fault)
             return

@@ -51,7 +51,7 @@ def collide(options, sheet, name, method="ddmp", words="", target=TARGET, **more
     sheet.below(f"{name}: cells felt early", result["early"], 2.0)
     if name in FILTERS:
         sheet.known(f"{name}: total energy at the end", result["books"], limit=0.1, target=target)
-    elif name == "coarse":
+    elif name in ("coarse", "flip_1", "control"):
         sheet.known(f"{name}: total energy at the end, with viscous work", result["books"], limit=2.0 * target,
                     target=target)
     else:
