@@ -7,6 +7,7 @@ test/invariance/test_traffic.py compares them with those of runs.
 TILE_CELLS, TILE_NODES = 6, 7           # cells and nodes along an edge of a tile, three dimensions
 # Numbers per node in each exchange of patches of a step with the default method.
 EXCHANGES = {"mpm": (7, 3), "ddmp": (17,)}
+COVERS = {"mpm": 0, "ddmp": 1}          # numbers per cell in the first of them: the part that particles cover
 WORD = 8                                # bytes
 
 
@@ -19,7 +20,12 @@ def copies(tiles, ranks):
     return min(6 * edge ** 2 + 12 * edge + 8, tiles * (ranks - 1))
 
 
+def words_of(method, nodes, cells):
+    """Words of the patches of a tile with a number of nodes and of cells in a step, each with its key."""
+    return sum(1 + columns * nodes for columns in EXCHANGES[method]) + COVERS[method] * cells
+
+
 def traffic(method, tiles, ranks):
     """Messages and bytes of patches that a rank with this number of tiles sends in a step."""
-    words = sum(1 + columns * TILE_NODES ** 3 for columns in EXCHANGES[method])
+    words = words_of(method, TILE_NODES ** 3, TILE_CELLS ** 3)
     return len(EXCHANGES[method]) * min(26, ranks - 1), WORD * copies(tiles, ranks) * words

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import case
 import scaling
-from scaling_model import EXCHANGES, traffic
+from scaling_model import EXCHANGES, traffic, words_of
 
 STEPS = 4
 WORD = 8
@@ -44,7 +44,7 @@ def test_bars(options, sheet):
     for method, exchanges in EXCHANGES.items():
         run = case.Case(options, f"bar_{method}", BAR.format(method=method, steps=STEPS), ranks=2)
         found = run.run("-q").summary["traffic"]
-        words = sum(1 + columns * 65 for columns in exchanges)
+        words = words_of(method, 65, 64)
         sheet.require(found["patch_messages"] == 2 * STEPS * len(exchanges),
                       f"{method}: {found['patch_messages']} messages of patches")
         sheet.require(found["patch_bytes"] == 2 * STEPS * WORD * words,
