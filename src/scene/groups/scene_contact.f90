@@ -207,14 +207,14 @@ contains
       what = ""
       if (simulation%scheme%method%transfer%filters()) what = "transfer = '"//transfer// &
          "'; use 'flip', 'rflip' or 'aflip'"
+      if (simulation%scheme%method%remaps()) what = "strain of velocities that are mapped "// &
+         "twice; use stress_update = 'usl' or 'usf'"
       if (.not. simulation%scheme%method%basis%is_linear()) what = "basis = '"// &
          basis//"'; use 'linear'"
       if (simulation%scheme%method%dual) then
          if (.not. simulation%scheme%method%quadrature%is_plain()) what = "quadrature = '"// &
             quadrature//"'; use 'point'"
       end if
-      if (simulation%scheme%method%remaps()) what = "strain of velocities that are mapped "// &
-         "twice; use stress_update = 'usl' or 'usf'"
       if (allocated(simulation%scheme%normalises)) &
          what = "normalised sums; use normalise = 'none'"
       if (simulation%scheme%method%even) what = "antilock = 'bbar'; remove it"

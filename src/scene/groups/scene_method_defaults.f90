@@ -3,10 +3,11 @@
 !! keys. All defaults come from measurements: see doc/theory/methods_compared.md.
 module scene_method_defaults
    use base_kinds, only: wp
+   use base_text, only: text_t
    use deck_reader, only: deck_t, group_t
    use ddmp_catalogue, only: choose_quadrature
    use ddmp_quadrature, only: quadrature_t
-   use scene_cell, only: set_cell_defaults
+   use scene_cell, only: has_cell, set_cell_defaults
    use scene_dimension, only: is_axisymmetric, is_dual
    use step_method, only: stress_after, stress_average, stress_names, stress_remapped
    use transfer_catalogue, only: choose_velocity
@@ -26,39 +27,103 @@ contains
       logical, intent(in) :: cold                    !! Does no material carry internal energy?
       logical, intent(in) :: gases                   !! Is all material a gas?
       logical, intent(in) :: some_gas                !! Is some, or an explosive?
+      logical :: averages
 
-      if (cold) call set_control_default(deck)
-      call set_dependent_defaults(deck)
+      averages = stored
+      if (cold .and. .not. stored) averages = names_average(deck)
+      if (averages) averages = may_average(deck)
+      if (averages) call set_average_defaults(deck)
+      call set_dependent_defaults(deck, averages)
       call set_cell_defaults(deck)
-      if (stored) call set_contact_default(deck)
+      if (stored .and. .not. averages) call set_contact_default(deck)
       if (stored) call set_elastic_defaults(deck)
       call set_turn_default(deck)
       call check_normalise(deck)
       if (some_gas) call set_split_default(deck, gases)
    end subroutine set_method_defaults
 
-   !> The strain of two velocities (usavg) does not damp the noise that particles make where they
-   !! cross cells: the mean stress of the nodes (control) removes it. Gases need normalised sums.
-   subroutine set_control_default(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck, gets the default
-      character(len=:), allocatable :: update, normalise, surface
-      logical :: paper
+   !> Elastic material keeps its energy with the strain of two velocities (usavg), and the mean
+   !! stress of the nodes (control) removes the noise that usavg does not damp. Other updates damp
+   !! this noise, and with it the energy of collisions and vibrations, which nothing records.
+   !! Material that flows or breaks dissipates energy itself, and gets the mean stress only with
+   !! usavg. doc/theory/methods_compared.md
+   subroutine set_average_defaults(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      if (.not. group%given("stress_update")) call deck%set_default("method", 1, "stress_update", &
+         trim(stress_names(stress_average)))
+      if (.not. group%given("quadrature")) &
+         call deck%set_default("method", 1, "quadrature", "control")
+   end subroutine set_average_defaults
+
+   !> Does the deck name the strain of two velocities?
+   logical function names_average(deck) result(names)
+      type(deck_t), intent(in) :: deck
+      character(len=:), allocatable :: word
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("stress_update", word)
+      names = group%given("stress_update") .and. word == stress_names(stress_average)
+   end function names_average
+
+   !> Do the keys of the deck allow the strain of two velocities with a mean stress of the nodes?
+   logical function may_average(deck) result(may)
+      type(deck_t), intent(in) :: deck
+      class(velocity_t), allocatable :: transfer
+      class(quadrature_t), allocatable :: rule
+      character(len=:), allocatable :: word, normalise, surface
+      logical :: paper, parts, cell
       type(group_t) :: group
 
       group = deck%group("method", 1)
       call group%get("paper", paper)
-      call group%get("stress_update", update)
       call group%get("normalise", normalise)
       call group%get("free_surface", surface)
-      if (.not. is_dual(deck) .or. paper .or. group%given("quadrature")) return
-      if (.not. group%given("stress_update") .or. update /= stress_names(stress_average)) return
-      if (surface /= "fill" .or. (group%given("normalise") .and. normalise /= "none")) return
-      call deck%set_default("method", 1, "quadrature", "control")
-   end subroutine set_control_default
+      call find_transfer(group, transfer)
+      parts = has_self_contact(deck)
+      cell = has_cell(deck)
+      may = .false.
+      if (.not. is_dual(deck) .or. paper .or. parts .or. cell) return
+      if (group%given("normalise") .and. normalise /= "none") return
+      if (surface /= "fill" .or. transfer%filters()) return
+      if (transfer%affine() .and. .not. transfer%turning()) return
+      call group%get("turn_from", word)
+      if (group%given("turn_from") .and. word /= "tiles") return
+      if (group%given("stress_update")) then
+         call group%get("stress_update", word)
+         if (word /= stress_names(stress_average)) return
+      end if
+      if (group%given("quadrature")) then
+         call group%get("quadrature", word)
+         call choose_quadrature(word, rule)
+         if (.not. allocated(rule)) return
+         if (.not. rule%controlled()) return
+      end if
+      may = .true.
+   end function may_average
+
+   !> Has some body contact with itself? Its two velocities need the point rule.
+   logical function has_self_contact(deck) result(has)
+      type(deck_t), intent(in) :: deck
+      type(text_t), allocatable :: names(:)
+      type(group_t) :: group
+      integer :: n
+
+      has = .false.
+      do n = 1, deck%count("contact")
+         group = deck%group("contact", n)
+         call group%list("bodies", names)
+         if (size(names) == 2) has = has .or. names(1)%text == names(2)%text
+      end do
+   end function has_self_contact
 
    !> Set the defaults that depend on other keys.
-   subroutine set_dependent_defaults(deck)
+   subroutine set_dependent_defaults(deck, averages)
       type(deck_t), intent(inout) :: deck
+      logical, intent(in) :: averages                !! Is the update of the stress known?
       character(len=:), allocatable :: alpha
       class(velocity_t), allocatable :: transfer
       logical :: axisymmetric, paper, may
@@ -85,7 +150,8 @@ contains
          trim(merge("smooth", "linear", alpha == "split" .and. .not. axisymmetric)))
       call find_transfer(group, transfer)
       ! a whole linear velocity field of the particles gains energy without bound with usl
-      if (.not. group%given("stress_update")) call deck%set_default("method", 1, "stress_update", &
+      if (averages .or. group%given("stress_update")) return
+      call deck%set_default("method", 1, "stress_update", &
          trim(stress_names(merge(stress_remapped, stress_after, &
          transfer%affine() .and. .not. transfer%turning()))))
    end subroutine set_dependent_defaults
