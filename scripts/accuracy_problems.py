@@ -35,8 +35,8 @@ METHODS = {                                  # name: value of `method` of &run, 
     "cubic": ("mpm", "basis='cubic'"),
     "cpdi": ("mpm", "basis='cpdi'"),
 }
-# Variants of every method, in the last word of their names: transfer and stress update. The default of `ddmp` is usl,
-# that of `mpm` with any basis is musl.
+# Variants of every method, in the last word of their names: transfer and stress update. The default of `ddmp` is usl
+# with materials that are not elastic, that of `mpm` with any basis is musl.
 UPDATES = {
     "musl": "transfer='flip' stress_update='musl'",
     "usl": "transfer='rflip' stress_update='usl'",

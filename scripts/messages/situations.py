@@ -37,6 +37,7 @@ SERIES = BAR + """&output name = 'p'  kind = 'particles'  every = 2 /
 BLOCK = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 8 1 4  dx = 1 /
 &time t_end = 2  dt_fixed = 0.08 /
+&method stress_update = 'usl' /
 &material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
 &region name = 'block'  shape = 'box'  lo = 1 0 1  hi = 3 1 3 /
 &body name = 'one'  region = 'block'  material = 'rubber'  velocity = 5 0 0 /
@@ -44,7 +45,7 @@ BLOCK = """&run dimension = 'plane_strain' /
 """
 FREE = "&time t_end = 2 /\n"
 INSIDE_OUT = BLOCK.replace("dt_fixed = 0.08", "dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0").replace(
-    "0.3 /", "0.3  strength_model = 'neo_hookean' /") + "&method stress_update = 'usl' /\n"
+    "0.3 /", "0.3  strength_model = 'neo_hookean' /")
 CUBE = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 8 8 8  dx = 1 /
 &time t_end = 10  dt_fixed = 0.08  dt_collapse = 0 /
@@ -97,6 +98,7 @@ JET = """&run dimension = 'plane_strain' /
 GUM = """&run dimension = '1d' /
 &grid lo = 0 0 0  hi = 40 1 1  dx = 1 /
 &time t_end = 70 /
+&method stress_update = 'usl' /
 &material name = 'gum'  density = 1000  young = 1e5  poisson = 0 /
 &region name = 'bar'  shape = 'box'  lo = 0 0 0  hi = 10 1 1 /
 &region name = 'grip'  shape = 'box'  lo = 9 0 0  hi = 11 1 1 /

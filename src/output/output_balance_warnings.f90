@@ -67,8 +67,9 @@ contains
       if (trust%failed) return
       remedy = "use finer cells"
       associate (method => simulation%scheme%method)
-         ! a body that touches itself, a cell and the scheme of the paper are refused with usavg, so
-         ! are filters of all velocities; materials that flow may become unstable with it
+         ! usavg is the default unless a key excludes it; a body that touches itself, a cell and the
+         ! scheme of the paper are refused with it, and so are filters of all velocities; materials
+         ! that flow may become unstable with it
          if (stores_work(simulation%materials) .and. .not. (method%averages() .or. parts .or. &
             allocated(simulation%space%cell) .or. (method%dual .and. .not. method%leapfrog))) then
             remedy = "write stress_update = 'usavg' in &method"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Energy conservation of bodies without internal energy: rings and blocks collide; a ring, a disc and a ball vibrate.
 
-With `stress_update = 'usavg'`. Would catch: strain from velocities that the particles do not get, halves of the strain
+With the default method. Would catch: strain from velocities that the particles do not get, halves of the strain
 with the velocity of the other half or for a wrong time, a predicted half that is never corrected, rotations that are
 not smoothed or smoothed at the wrong positions (bits that depend on ranks or a restart), angular momentum that is lost
 in favour of energy, a loss without a warning or with another number than that of the ledger, an advice that is followed
@@ -9,9 +9,9 @@ by another one, damping that is not recorded.
 
 A neo-Hookean body dissipates nothing, so all energy lost is an error. Target: 1 % for two rings of five cells, soft
 blocks and free vibration of ten cells in nine periods; angular momentum 1e-4 per turn. The rings, held at 2 %, the ball
-and the angular momentum, held at ten times the target, are known misses. The control is `usl`, which must lose more
-than a tenth in the rings; otherwise the rings would no longer show the improvement. Energy removed by the PIC fraction
-is recorded: with `flip = 0.999` the balance must close too, and the removed energy is more than a tenth.
+and the angular momentum, held at ten times the target, are known misses. The control is `usl`, which must lose more than a tenth in the
+rings; otherwise the rings would no longer show the improvement. Energy removed by the PIC fraction is recorded: with `flip = 0.999` the
+balance must close too, and the removed energy is more than a tenth.
 """
 # tiers: smoke, full
 # timeout: 300
@@ -60,7 +60,7 @@ POINTS = """
 """
 
 
-KEEPS = "stress_update='usavg'"
+KEEPS = ""
 SMALL = (0.25, 0.5, 0.1), 0.004, 4e-4
 
 
