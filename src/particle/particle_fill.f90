@@ -110,6 +110,8 @@ contains
       logical :: inside
 
       position = middle
+      if (grid%axisymmetric) position(1) = ring_centre(middle(1), grid%spacing &
+         /real(bodies(body)%per_cell(1), wp))
       inside = belongs(bodies, body, middle, later)
       share = merge(1.0_wp, 0.0_wp, inside)
       if (.not. bodies(body)%cut) return
@@ -358,6 +360,15 @@ contains
       if (allocated(store%ahead)) store%ahead(p, :) = 0.0_wp
       if (allocated(store%bond)) store%bond(p) = 1.0_wp
    end subroutine set_size
+
+   !> Radius of the centroid of a ring. With its particles there, the mass of each node is the
+   !! density times its volume, also on the axis. Equation (M.25) of doc/theory/method.md.
+   elemental real(wp) function ring_centre(middle, width) result(radius)
+      real(wp), intent(in) :: middle                  !! Radius of the middle of the ring [m]
+      real(wp), intent(in) :: width                   !! Outer less inner radius [m]
+
+      radius = middle + width**2/(12.0_wp*middle)
+   end function ring_centre
 
    !> Volume of a lattice site [m3]; in axisymmetry, of the ring.
    pure real(wp) function site_volume(grid, body, position) result(volume)

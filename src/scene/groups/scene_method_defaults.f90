@@ -29,8 +29,9 @@ contains
       logical, intent(in) :: some_gas                !! Is some, or an explosive?
       logical :: averages
 
-      averages = stored
-      if (cold .and. .not. stored) averages = names_average(deck)
+      averages = cold
+      if (averages) averages = names_average(deck)
+      if (stored .and. .not. averages) averages = .not. is_damped(deck)
       if (averages) averages = may_average(deck)
       if (averages) call set_average_defaults(deck)
       call set_dependent_defaults(deck, averages)
@@ -68,6 +69,17 @@ contains
       call group%get("stress_update", word)
       names = group%given("stress_update") .and. word == stress_names(stress_average)
    end function names_average
+
+   !> Does the deck ask for a state at rest? It is found sooner where the strain dissipates too.
+   logical function is_damped(deck)
+      type(deck_t), intent(in) :: deck
+      real(wp) :: rate
+      type(group_t) :: group
+
+      group = deck%group("effects", 1)
+      call group%get("damping", rate)
+      is_damped = rate > 0.0_wp
+   end function is_damped
 
    !> Do the keys of the deck allow the strain of two velocities with a mean stress of the nodes?
    logical function may_average(deck) result(may)
