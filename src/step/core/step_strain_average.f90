@@ -5,9 +5,9 @@
 !!
 !! Stress and motion then work with the same mean velocities, so one gains the energy that the other
 !! loses (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
-!! the particles have moved, after the force of the next step. So each step predicts it, from the
-!! strain at the present positions and the error of the last prediction, and the next step replaces
-!! it by the computed one. Equation (T.9) of doc/theory/transfers.md.
+!! the particles have moved, after the force of the next step. So each step predicts it at the
+!! present positions and keeps it, and the next step replaces it by the computed one. Equation
+!! (T.9) of doc/theory/transfers.md.
 module step_strain_average
    use base_kinds, only: wp
    use particle_store, only: store_t
@@ -42,25 +42,23 @@ contains
       end do
    end subroutine keep_earlier
 
-   !> Correct the predicted half strain of the last step, and predict that of this step. The errors
-   !! of predictions change slowly while particles stay in their cells; each that remains adds to
-   !! the energy, so the last one is added to the next prediction.
+   !> Correct the predicted half strain of the last step, and predict that of this step.
    pure subroutine average_strain(store, tile, earlier, gradient)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: earlier(:, :) !! (particle of the tile, 9) Half strain [1]
       !> (particle of the tile, 9) In: strain of the advection velocity; out: strain of the step [1]
       real(wp), contiguous, intent(inout) :: gradient(:, :)
-      real(wp) :: half, late
+      real(wp) :: half
       integer :: p, q, k
 
       do k = 1, 9
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             half = 0.5_wp*gradient(p, k)
-            late = min(most, max(-most, earlier(p, k) - store%ahead(q, k)))
-            gradient(p, k) = gradient(p, k) + 2.0_wp*late
-            store%ahead(q, k) = half + late
+            gradient(p, k) = gradient(p, k) + min(most, max(-most, earlier(p, k) &
+               - store%ahead(q, k)))
+            store%ahead(q, k) = half
          end do
       end do
    end subroutine average_strain
