@@ -21,10 +21,11 @@ an error of 1.3 %. Sliding block: gravity is applied suddenly, and until shear w
 falls along with the block without slip, so the block is subject to friction for less than 0.4 s. After 0.04 s, four
 times that crossing time, it slides, and Newton's law for the whole block says that its position along the floor plus mu
 times its position normal to it has the acceleration g (sin - mu cos), however it bounces: target 1e-3. Blocks that
-stick have at most the speed of free fall after the time of a pressure wave through their height, 1.4 % of the final
-speed. Bars of equal impedance transfer all of their velocity: the remainder is at most that of the one cell of a bar at
+stick vibrate in shear: at most the speed of free fall after the time of a shear wave through their height, 2.6 % of
+the final speed. Bars of equal impedance transfer all of their velocity: the remainder is at most that of the one cell of a bar at
 the surface, 2 %. A light bar rebounds from a heavy one with its whole speed: 2 % for the same reason in both
-directions. Bonds: the velocities of one body, or, if they break, the full velocities, within 2 %, one cell.
+directions. Bonds: the velocities of one body, or, if they break, the full velocities, within 2 % of the speed of the
+impact, one cell.
 """
 # tiers: smoke, full
 
@@ -36,9 +37,9 @@ import bodies
 import case
 import slope
 
-TARGET, REBOUND = 0.02, 0.872          # energy of the discs; kinetic energy after the rebound in fine runs
+TARGET, REBOUND = 0.02, 0.888          # energy of the discs; kinetic energy after the rebound in fine runs
 LAYER = 0.02                           # a cell of the bars over their length
-CROSSED = 0.2 / 36.7                   # time of a pressure wave through the height of the block [s]
+SHEARED = 0.2 / 19.6                   # time of a shear wave through the height of the block [s]
 SETTLED = 0.039                        # four times the shear wave through the floor, 0.2 m at 19.6 m/s [s]
 CONTACT = "artificial_viscosity=.false.  contact=.true."
 FIELDS = "fields='identity','body','mass','velocity'  precision='double'"
@@ -177,7 +178,7 @@ def test_slides(options, sheet):
         sheet.near(f"{name}: acceleration [m/s2]", found, exact, 1.0e-3)
     for name, law in (("sticks", "friction=0.6"), ("stick_law", "law='stick'")):
         _, speed = block(options, name, law, 20.0)
-        sheet.below(f"{name}: last velocity over that of free fall", abs(speed) / (10.0 * sine * 0.4), CROSSED / 0.4)
+        sheet.below(f"{name}: last velocity over that of free fall", abs(speed) / (10.0 * sine * 0.4), SHEARED / 0.4)
 
 
 def bars(options, name, densities=(1000, 1000), moduli=(1e6, 1e6), speed=0.1, end=0.1, **words):
@@ -302,8 +303,8 @@ def test_bonds(options, sheet):
     Pa."""
     (left, right), whole = bars(options, "one_body", effects="artificial_viscosity=.false.")
     (bound, other), held = bars(options, "bound", more="&contact law='bonded' /")
-    sheet.near("bond: velocity against one body", bound, left, LAYER)
-    sheet.near("bond: velocity of the other", other, right, LAYER)
+    sheet.below("bond: velocity less that in one body, over that of the impact", abs(bound - left), LAYER)
+    sheet.below("bond: velocity of the other less that in one body", abs(other - right), LAYER)
     (strong, _), _ = bars(options, "strong", more="&contact law='bonded'  bond_strength=4000 /")
     sheet.require(strong == bound, "bond: a strength that is not reached changes nothing")
     (weak, free), _ = bars(options, "weak", more="&contact law='bonded'  bond_strength=400 /")

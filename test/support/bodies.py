@@ -238,7 +238,7 @@ DISCS = """
 &time  t_end=3.5  cfl={cfl} /
 &method  {words} /
 &effects  {effects} /
-&material  name='rubber'  density=1000  young=1000  poisson=0.3 /
+&material  name='rubber'  density=1000  young=1000  poisson=0.3  strength_model='neo_hookean' /
 &region  name='lower'  shape='sphere'  centre=-0.3,0,-0.3  radius=0.2 /
 &region  name='upper'  shape='sphere'  centre= 0.3,0, 0.3  radius=0.2 /
 &body  name='left'   region='lower'  material='rubber'  ppc={ppc},1,{ppc}  velocity= 0.1,0, 0.1 /
