@@ -31,7 +31,8 @@ contains
       call schema%text("method", "basis", "shape functions; ddmp needs linear", default="linear")
       call schema%words("method", "basis", basis_names)
       call schema%text("method", "transfer", "transfer of velocity between particles and "// &
-         "nodes; default: rflip with ddmp, flip with mpm", default="rflip")
+         "nodes; default: rflip with ddmp, flip with mpm and where stress_update is usavg in "// &
+         "axisymmetry", default="rflip")
       call schema%words("method", "transfer", velocity_names)
       turning = "transfer ="
       do n = 1, size(velocity_names)

@@ -38,6 +38,7 @@ contains
       call set_cell_defaults(deck)
       if (stored .and. .not. averages) call set_contact_default(deck)
       if (stored) call set_elastic_defaults(deck)
+      call set_axial_default(deck)
       call set_turn_default(deck)
       call check_normalise(deck)
       if (some_gas) call set_split_default(deck, gases)
@@ -212,6 +213,20 @@ contains
       if (update /= stress_names(stress_average)) return
       if (.not. group%given("flip")) call deck%set_default("method", 1, "flip", 1.0_wp)
    end subroutine set_elastic_defaults
+
+   !> In axisymmetry with two velocities (usavg) particles have no rotation by default: a rotation
+   !! in the plane of axis and radius turns rings inside out, which is no motion without strain, and
+   !! its mean over a tile creates energy in bodies of few cells.
+   subroutine set_axial_default(deck)
+      type(deck_t), intent(inout) :: deck
+      character(len=:), allocatable :: update
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("stress_update", update)
+      if (update /= stress_names(stress_average) .or. group%given("transfer")) return
+      if (is_axisymmetric(deck)) call deck%set_default("method", 1, "transfer", "flip")
+   end subroutine set_axial_default
 
    !> With two velocities the default rotation is that of the surroundings, because the rotation of
    !! single particles creates energy: the stress works with the velocities of their linear fields,
