@@ -19,6 +19,8 @@ module step_mean_stress
 
    public :: find_mean_stress
 
+   integer, parameter :: steep = 4                   !! Steepness kappa of (Q.5)
+
 contains
 
    !> Mean stress on the nodes inside of bodies, decreasing to zero at their surfaces.
@@ -138,8 +140,8 @@ contains
    end subroutine weigh_tile
 
    !> Mean stress of the nodes of a tile, and the factor of its sums: 1 over the volume of the
-   !! particles inside of bodies, where all cells around count in full, and 0 if one of them does
-   !! not count. Equations (Q.2) and (Q.5).
+   !! particles inside of bodies, where all cells around count in full, and 0 if one of them counts
+   !! with less than 3/4. Equations (Q.2) and (Q.5).
    subroutine divide_tile(space, nodes, tile)
       type(space_t), intent(in) :: space
       type(nodes_t), intent(inout) :: nodes
@@ -153,7 +155,7 @@ contains
       tensor = 0.0_wp
       call find_volumes(space, nodes%dual, tile, tile)
       call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
-      cells = real(2**space%grid%dimensions, wp)
+      cells = real(steep*2**space%grid%dimensions, wp)
       associate (filled => nodes%stress%share(1, :, tile), star => nodes%stress%star(:, :, tile), &
          volume => nodes%dual%volume(1, :, tile))
          do node = 1, size(around)
