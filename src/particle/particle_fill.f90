@@ -8,6 +8,7 @@ module particle_fill
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform
    use mesh_grid, only: grid_t
+   use mesh_ring, only: ring_centre, ring_middle
    use particle_body, only: belongs, body_t, cell_of, find_boxes, find_near, site_position, &
       tile_sites
    use particle_store, only: store_t
@@ -287,7 +288,9 @@ contains
             call add_particle(bodies, body, tile, it%first_identity + number(n) - 1, &
                cell_number(grid, cell_of(grid, position(:, n)) - coordinate*grid%width), &
                position(:, n), it%share*volume(n), store)
-            depth = merge(2.0_wp*pi*position(1, n), grid%depth, grid%axisymmetric)
+            depth = grid%depth
+            if (grid%axisymmetric) depth = 2.0_wp*pi*merge(position(1, n), &
+               ring_middle(position(1, n), it%share*volume(n)), it%given%clipped)
             half = merge(0.5_wp*(it%share*volume(n)/depth)**(1.0_wp/real(grid%dimensions, wp)), &
                0.0_wp, grid%active)
             call set_size(half, store%first(tile) + store%count(tile) - 1, store)
@@ -360,15 +363,6 @@ contains
       if (allocated(store%ahead)) store%ahead(p, :) = 0.0_wp
       if (allocated(store%bond)) store%bond(p) = 1.0_wp
    end subroutine set_size
-
-   !> Radius of the centroid of a ring. With its particles there, the mass of each node is the
-   !! density times its volume, also on the axis. Equation (M.25) of doc/theory/method.md.
-   elemental real(wp) function ring_centre(middle, width) result(radius)
-      real(wp), intent(in) :: middle                  !! Radius of the middle of the ring [m]
-      real(wp), intent(in) :: width                   !! Outer less inner radius [m]
-
-      radius = middle + width**2/(12.0_wp*middle)
-   end function ring_centre
 
    !> Volume of a lattice site [m3]; in axisymmetry, of the ring.
    pure real(wp) function site_volume(grid, body, position) result(volume)
