@@ -15,8 +15,7 @@ artificial viscosity where there is one. Greatest energy: the target plus w dt/2
 the sum of a velocity half a step behind and the current stress. Velocity and stress: the dispersion of the schemes
 (manufactured.py), 7/24 (k h)2 for DDMP, causes a phase error of 0.013 after 9 s, which changes the velocity by sin(w t)
 of it, 1.2 %, and the stress by cos(w t), 0.4 %: limits 1.5 % and 0.5 % of their greatest values. Orders: at least 1.3,
-between 1 for the free ends and 2 for the inner cells. The stress of the default, which damps nothing at the free ends,
-is a known miss, held at twice the target and at order 1. Work of the viscosity: q = q1 rho c h |v'| while the bar becomes
+between 1 for the free ends and 2 for the inner cells. Work of the viscosity: q = q1 rho c h |v'| while the bar becomes
 shorter dissipates 2 q1 c h k2 cos2(w t) of the energy per second, 1.8 % in all; limit 5 % of that, for the quadratic
 term (1 %), the loss of energy and the discrete strain (1 % each). The plain method is the control: without smooth
 gradients the bar must fail the limits; otherwise it crosses no cells.
@@ -58,10 +57,7 @@ def judge(sheet, name, result):
     sheet.below(f"{name}: energy of the vibration", result["books"], TARGET)
     sheet.below(f"{name}: greatest energy", result["greatest"], TARGET + 0.5 * TURN * step)
     sheet.below(f"{name}: velocity", result["velocity"], 0.015)
-    if name == "usual":
-        sheet.known(f"{name}: stress", result["stress"], limit=0.01, target=0.005)
-    else:
-        sheet.below(f"{name}: stress", result["stress"], 0.005)
+    sheet.below(f"{name}: stress", result["stress"], 0.005)
 
 
 @FULL
@@ -89,8 +85,8 @@ def test_usual(options, sheet):
         orders = {key: convergence.order(runs, [result[key] for result in runs.values()])
                   for key in ("velocity", "displacement", "stress")}
         measured.record("order", orders)
-        sheet.above("order of velocity", orders["velocity"], 1.3)
-        sheet.known("1.3 less the order of stress", 1.3 - orders["stress"], limit=0.3, target=0.0)
+        for key in ("velocity", "stress"):
+            sheet.above(f"order of {key}", orders[key], 1.3)
 
 
 @FULL

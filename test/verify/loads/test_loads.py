@@ -146,5 +146,4 @@ def test_cavity(options, sheet):
     order = convergence.order(cells, errors)
     # the front is a jump: a linear wave equation of order 2 spreads it over h^(2/3), of order 1 over h^(1/2)
     sheet.above("cavity: order of the mean error with the front", order, 0.5)
-    # nothing damps the vibration of particles behind the front
-    sheet.known("cavity: velocity behind the front", behind[-1], limit=0.04, target=0.02)
+    sheet.below("cavity: velocity behind the front", behind[-1], 0.02)
