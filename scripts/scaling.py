@@ -67,9 +67,14 @@ def factors(number):
     return best
 
 
+def words_of(options, method):
+    """Keys of &method; without any, the update with the fewest exchanges, whose messages the model counts."""
+    return options.method_words or ("stress_update='usl'" if method == "ddmp" else "")
+
+
 def block_deck(options, method, cells):
     """Deck of the periodic block with numbers of cells along its edges."""
-    return BLOCK.format(method=method, cells=cells, steps=options.steps, words=options.method_words, ppc=options.ppc)
+    return BLOCK.format(method=method, cells=cells, steps=options.steps, words=words_of(options, method), ppc=options.ppc)
 
 
 def weak_deck(options, method, workers):
@@ -81,7 +86,7 @@ def ball_deck(options, method):
     """A ball in the middle of a box."""
     box = TILE_CELLS * math.ceil((2 * options.radius + 8) / TILE_CELLS)
     return BALL.format(method=method, box=box, centre=box / 2, radius=options.radius, steps=options.steps,
-                       words=options.method_words, ppc=options.ppc)
+                       words=words_of(options, method), ppc=options.ppc)
 
 
 def launcher(options, ranks, threads):

@@ -55,7 +55,7 @@ def test_in_cells(options, sheet):
     """Particles of a cell with opposite velocities."""
     def sign(n):
         return (-1) ** n
-    for name, words, kept in (("default", "", 0.999),
+    for name, words, kept in (("usl", "stress_update='usl'", 0.999),
                               ("average", "stress_update='usavg'", 1.0), ("flip", "transfer='flip' flip=1", 1.0),
                               ("apic", "transfer='apic'", None)):
         run = case.Case(options, f"cells_{name}", BAR.format(

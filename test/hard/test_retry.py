@@ -89,7 +89,7 @@ def strain_of_steps(run):
 
 def test_streams(options, sheet):
     """Streams at eight times the speed of sound, for each stress update and velocity transfer."""
-    for name, method, words in (("ddmp", "ddmp", ""), ("mpm", "mpm", ""),
+    for name, method, words in (("ddmp", "ddmp", "&method stress_update='usl' /"), ("mpm", "mpm", ""),
                                 ("musl", "ddmp", "&method stress_update='musl' /")):
         runs = []
         for time in ("", "retry=.false."):

@@ -89,8 +89,10 @@ def test_stretched(options, sheet):
             name = f"{method}_{dimension}"
             reached, errors = [], []
             for split in (".false.", ".true."):
-                run = case.Case(options, f"{name}_{split[1]}", deck(
-                    method, dimension, split, end)).run("-q")
+                text = deck(method, dimension, split, end)
+                if method == "ddmp":               # usavg measures volumes up to a stretch of 3.9 without halves
+                    text = text.replace("split=", "stress_update='usl'  split=")
+                run = case.Case(options, f"{name}_{split[1]}", text).run("-q")
                 found, worst = breaks(run)
                 reached.append(min(found, 1.0 + end))
                 errors.append(worst)

@@ -96,7 +96,8 @@ def nearest(points, others):
 
 
 @pytest.mark.parametrize("name, words", [
-    ("default", ""),
+    ("usavg", "stress_update='usavg'  transfer='flip'"),        # tiles, which give the rotation, have no mirror image
+    ("usl", "stress_update='usl'"),
     ("musl", "stress_update='musl'"),
     ("apic", "transfer='apic'"),
 ])

@@ -18,6 +18,7 @@ STEPS = 4
 WORD = 8
 BAR = """
 &run  dimension='1d'  method='{method}' /
+&method  {words} /
 &grid  lo=0,0,0  hi=512,1,1  dx=1  block=64 /
 &time  t_end=1.0e3  max_steps={steps} /
 &material  name='rubber'  density=1000  young=1.0e6  poisson=0.3 /
@@ -42,7 +43,8 @@ SPHERES = """
 def test_bars(options, sheet):
     """Eight tiles in a row on two ranks: one tile of each rank touches the other rank."""
     for method, exchanges in EXCHANGES.items():
-        run = case.Case(options, f"bar_{method}", BAR.format(method=method, steps=STEPS), ranks=2)
+        run = case.Case(options, f"bar_{method}", BAR.format(method=method, steps=STEPS, words=scaling.words_of(
+            SimpleNamespace(method_words=""), method)), ranks=2)
         found = run.run("-q").summary["traffic"]
         words = words_of(method, 65, 64)
         sheet.require(found["patch_messages"] == 2 * STEPS * len(exchanges),

@@ -108,14 +108,14 @@ def test_bar(options, sheet):
 def test_forecast(options, sheet):
     """With the predicted cell size the error is within the tolerance."""
     deck = bar_deck(options)
-    _, text, _ = tool(options, deck, "--quantity", "internal", "--factors", "4,2,1", "--tolerance", "0.03%",
+    _, text, _ = tool(options, deck, "--quantity", "internal", "--factors", "4,2,1", "--tolerance", "0.01%",
                       "--csv", "coarse.csv")
-    sheet.require("0.03% needs cells of about" in text, f"a forecast: {text}")
+    sheet.require("0.01% needs cells of about" in text, f"a forecast: {text}")
     size = float(text.split("needs cells of about ")[1].split()[0])
     cells = 6 * math.ceil(5.0 / size)      # so that the end of the bar is a cell face
     run = case.Case(options, "foretold", DECK.format(size=f"cells={cells},1,1")).run("-q")
     sheet.below("error of the foretold cells over the tolerance", abs(run.history["internal"][-1] / ENERGY - 1.0)
-                / 3.0e-4, 1.0)
+                / 1.0e-4, 1.0)
     sheet.above("size of the cells [m]", size, 0.1)
 
 

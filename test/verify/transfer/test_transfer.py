@@ -106,7 +106,7 @@ def test_modes(options, sheet):
         sheet.below(f"mode {number}, pic", np.abs(after - FLOW - q * mode).max(), 4.0 * LIMIT)
     hidden = np.tile([1.0, -2.0, 1.0], CELLS) * np.repeat(np.arange(1.0, CELLS + 1.0), 3)
     for words in ALL:
-        kept = float(words.split("flip=")[1]) if "flip=" in words else 0.999 * ("flip" in words)
+        kept = float(words.split("flip=")[1]) if "flip=" in words else float("flip" in words)
         error = np.abs(step(options, "hidden", words, FLOW + hidden) - FLOW - kept * hidden).max()
         sheet.below(f"hidden motion, {words}", error, 16.0 * LIMIT)
 
