@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Metal bars on a wall.
 
 A bar strikes a hard wall, and its foot is flattened (G. I. Taylor 1948). Axisymmetric, smooth rigid wall, material of
-the library with the law of Johnson and Cook, without failure. Choice of the constants: Johnson and Cook fitted them to
-torsion and tension tests, not to these bars. *Waist* is the diameter at a fifth of the initial length. The
-error of the lengths was not read in any source, nor was the temper of the copper of Wilkins, Gust, House and Zelepugin,
-on which its yield stress depends.
+the library with the law of Johnson and Cook, without failure. Choice of the constants: Johnson and Cook fitted them
+to torsion and tension tests, not to these bars. *Waist* is the diameter at a fifth of the initial length. The error
+of the lengths was not read in any source, nor was the temper of the copper of Wilkins, Gust, House and Zelepugin, on
+which its yield stress depends.
 """
 import numpy as np
 

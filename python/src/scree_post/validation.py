@@ -21,16 +21,17 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import scree
 from scree.drawing import look
-from scree.errors import EXIT_USAGE, FileProblem, ScreeError, reading, unknown
+from scree.errors import EXIT_USAGE, FileProblem, ScreeError, readable, reading, unknown
 from scree.launch import Count
 from scree.program import find_program
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
     from scree.results import Run
 
 TARGET = 5.0                                             # accepted deviation [%], if the measurement is as good
@@ -66,12 +67,18 @@ class Family:
     cells: int
     coarser: float
     measure: Callable[[Run, Mapping[str, str]], Mapping[str, float]]
-    units: dict[str, str]                                # of the inputs
+    units: dict[str, str]                                # of the inputs in data.csv
     shots: dict[str, Shot] = field(default_factory=dict)
+
+    def defined(self) -> list[str]:
+        """Names that &define of the deck has."""
+        text = re.sub(r"!.*", "", (self.folder / "deck.nml").read_text(encoding="utf-8"))
+        return [name for group in re.findall(r"&define(.*?)\s/\s*$", text, re.M | re.S)
+                for name in re.findall(r"(\w+)\s*=", group)]
 
     def settings(self, inputs: Mapping[str, str], cells: int) -> dict[str, str]:
         """Keys of the deck for the inputs of a shot."""
-        named = {"cells": str(cells), **inputs}
+        named = {**inputs, "cells": str(cells)}
         return {key if "." in key else f"define.{key}": value for key, value in named.items()}
 
 
@@ -191,10 +198,11 @@ def choose(known: Mapping[str, Family], names: Iterable[str]) -> list[tuple[Fami
 
 def changed(family: Family, shot: Shot, settings: Mapping[str, str]) -> Shot:
     """A shot with other inputs, of which there is no measurement."""
+    known = [*family.units, *(name for name in family.defined() if name not in family.units)]
     for name in settings:
-        if name not in family.units and name != "cells" and "." not in name:
-            raise unknown("input", name, [*family.units, "cells"], f"family {family.name}", EXIT_USAGE)
-    keys = {name: value for name, value in settings.items() if name not in family.units and name != "cells"}
+        if name not in known and "." not in name:
+            raise unknown("input", name, known, f"family {family.name}", EXIT_USAGE)
+    keys = {name: value for name, value in settings.items() if name not in family.units}
     words = ", ".join(f"{name} = {value}" for name, value in settings.items())
     return Shot("prediction", f"{shot.name} with {words}", {**shot.inputs, **with_units(family, settings), **keys}, {},
                 {})
@@ -292,12 +300,14 @@ def page_rows(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) ->
     return "\n".join(lines)
 
 
-def renewed_page(text: str, part: str, path: Path) -> str:
-    """The page with a new generated part."""
-    if any(text.count(mark) != 1 for mark in MARKS):
-        raise FileProblem(f"{path} does not contain {MARKS[0]} and {MARKS[1]} once each")
-    before, rest = text.split(MARKS[0])
-    return f"{before}{MARKS[0]}\n{part}{MARKS[1]}{rest.split(MARKS[1])[1]}"
+def parts_of(path: Path) -> tuple[str, str]:
+    """The page before and after the generated part."""
+    text = Path(readable(str(path))).read_text(encoding="utf-8")
+    before, first, rest = text.partition(MARKS[0])
+    _, last, after = rest.partition(MARKS[1])
+    if not (first and last):
+        raise FileProblem(f"{path} does not contain the lines {MARKS[0]} and {MARKS[1]}")
+    return f"{before}{first}\n", f"{last}{after}"
 
 
 def picture(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) -> Figure:

@@ -15,11 +15,12 @@ import math
 from pathlib import Path
 
 from scree.drawing import look
-from scree.errors import EXIT_USAGE, FileProblem, ScreeError, readable
+from scree.errors import EXIT_USAGE, FileProblem, ScreeError
 from scree.program import jobs_for, threads_of_a_run
 
 from .. import validation
 
+PAGE = Path(__file__).resolve().parents[4] / "doc/theory/validation.md"
 SUMMARY = "compare with experiments: prediction, measurement, verdict"
 EXAMPLES = ("validate", "validate taylor_cu_130 --set speed=210 --set length=23.47 --cells 4")
 
@@ -50,8 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the program; default build/bin/scree or in the path")
     add("--jobs", type=int, metavar="N", help="number of simultaneous runs; default: as many as cores")
     add("--outdir", type=Path, default=Path("out/validation"), help="folder of the runs (out/validation)")
-    add("--write", nargs="?", const="", metavar="PAGE", help="renew results.csv, the table and the figure of the page "
-        "doc/theory/validation.md, or of another page, which gets its own results.csv beside it")
+    add("--write", nargs="?", type=Path, const=PAGE, metavar="PAGE",
+        help="renew results.csv, the tables and the figure of the page doc/theory/validation.md, or of another page, "
+        "which has its own results.csv beside it")
 
 
 def show_list(known: dict[str, validation.Family]) -> None:
@@ -83,14 +85,11 @@ def show(results: list[validation.Result], known: dict[str, validation.Family]) 
     print(f"{seconds:.3g} s of processor time")
 
 
-def write(page: str, results: list[validation.Result], known: dict[str, validation.Family]) -> None:
+def write(path: Path, results: list[validation.Result], known: dict[str, validation.Family]) -> None:
     """Renew results.csv, the page and its figure."""
-    root = validation.place().parents[1]
-    path = Path(page) if page else root / "doc/theory/validation.md"
-    table = path.parent / "results.csv" if page else validation.place() / "results.csv"
-    text = Path(readable(str(path))).read_text(encoding="utf-8")
+    table = (validation.place() if path == PAGE else path.parent) / "results.csv"
     rows = validation.renewed(validation.read_results(table), results, known)
-    text = validation.renewed_page(text, validation.page_rows(known, rows), path)
+    text = validation.page_rows(known, rows).join(validation.parts_of(path))
     figure = path.parent / "figures" / f"{path.stem}.png"
     try:
         figure.parent.mkdir(exist_ok=True)
@@ -113,6 +112,8 @@ def run(options: argparse.Namespace) -> int:
         raise ScreeError("--write needs measured rows, without --set", EXIT_USAGE)
     if options.jobs is not None and options.jobs < 1:
         raise ScreeError("--jobs must be above 0", EXIT_USAGE)
+    if options.write is not None:
+        validation.parts_of(options.write)               # an error before the runs
     if not shots:
         show_list(known)
         return 0
