@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Columns of water.
 
-A column of water on a smooth floor is released (J. C. Martin, W. J. Moyce, Phil. Trans. R. Soc. A 244 (1952) 312,
-figure 3, height twice the width, as tabulated in pysph/examples/db_exp_data.py of github.com/pypr/pysph). The front
-is given in widths of the column at the time t (2 g/width)^0.5. The error is the difference of the two columns that
-were measured, 1.125 and 2.25 inches wide, which the equations of a fluid without surface tension and friction of the
-floor do not distinguish. Choice of the constants: density and viscosity of water; a sound speed of ten times the
-speed of free fall.
+A column of water, twice as high as wide, is released on a smooth floor: J. C. Martin, W. J. Moyce, Phil. Trans. R.
+Soc. A 244 (1952) 312, figure 3, and S. Koshizuka, Y. Oka, Nucl. Sci. Eng. 123 (1996) 421, both as tabulated in
+pysph/examples/db_exp_data.py of github.com/pypr/pysph. The front is given in widths of the column at the time T = t
+(2 g/width)^0.5. The error is the difference between two of these columns, of different widths, at the same T, because
+a fluid without surface tension and friction of the floor makes none. The experiments open a gate, the run does not.
+Choice of the constants: density and viscosity of water; a sound speed of ten times the speed of free fall.
 """
 import numpy as np
 
 QUANTITIES = {"front": ("front in widths of the column", "1")}
-CELLS = 24                             # across the column
+CELLS = 32                             # across the column
+COARSER = 1.5
 LEAST = 0.01                           # depth of water at the front, in widths
 
 

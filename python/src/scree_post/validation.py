@@ -14,14 +14,13 @@ A family is a folder of input/validation with three files:
 from __future__ import annotations
 
 import csv
-import importlib.util
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import scree
 from scree.drawing import look
@@ -142,14 +141,13 @@ def heading(text: str) -> tuple[str, str]:
 def read_family(folder: Path) -> Family:
     """The family in a folder."""
     script = folder / "evaluate.py"
-    spec = importlib.util.spec_from_file_location(f"scree_validation_{folder.name}", script)
     with reading(script):
-        assert spec is not None and spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-    title, _, text = (module.__doc__ or folder.name).partition("\n")
-    family = Family(folder.name, folder, title.strip().rstrip("."), text.strip(), module.QUANTITIES, module.CELLS,
-                    getattr(module, "COARSER", 2.0), module.measure, {})
+        found: dict[str, Any] = {"__name__": folder.name}    # not imported: an import would write into the folder
+        exec(compile(script.read_text(encoding="utf-8"), str(script), "exec"), found)
+        quantities, cells, measure = found["QUANTITIES"], found["CELLS"], found["measure"]
+    title, _, text = (found.get("__doc__") or folder.name).partition("\n")
+    family = Family(folder.name, folder, title.strip().rstrip("."), text.strip(), quantities, cells,
+                    found.get("COARSER", 2.0), measure, {})
     data = folder / "data.csv"
     with reading(data), open(data, newline="", encoding="utf-8") as file:
         table = csv.reader(line for line in file if not line.startswith("#"))

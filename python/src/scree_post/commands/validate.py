@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares Scree with experiments: runs the deck of a row and prints prediction, measurement and verdict.
+"""Compares Scree with experiments: runs decks and prints prediction, measurement and verdict.
 
-Without a name the rows are listed. A name is that of a row, or of a family for all of its rows. Each
-row runs on two grids; `cells` is the difference of their predictions. The verdict is `within` if the
-prediction deviates by at most 5 %, or by the error of the measurement if it is larger, `outside` if it
-deviates by more, and `not comparable` if the difference of the grids is larger than that or the
-conditions of the experiment are not known. With --set the inputs of a row are changed: the result is a
-prediction. Rows are folders of input/validation, which scree_post/validation.py describes.
+Without a name the rows are listed. A name is that of a row, or of a family for all of its rows.
+Each row runs on two grids; `cells` is the difference of their predictions. The verdict is `within`
+if the prediction deviates by at most 5 %, or by the error of the measurement if that is larger,
+`outside` if it deviates by more, and `not comparable` if the grids differ by more than that or
+conditions of the experiment are not known. With --set inputs of a row are changed: the result is a
+prediction. Rows are in folders of input/validation, which scree_post/validation.py describes.
 """
 from __future__ import annotations
 
