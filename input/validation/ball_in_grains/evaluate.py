@@ -10,7 +10,8 @@ depths. Beads and ball have one velocity field, so beads stick to the ball.
 import numpy as np
 
 QUANTITIES = {"depth": ("depth", "mm"), "time": ("time to rest", "ms")}
-CELLS = 10                             # across the ball
+CELLS = 16                             # across the ball
+COARSER = 1.5
 
 
 def measure(run, shot):

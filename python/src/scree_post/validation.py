@@ -8,7 +8,8 @@ A family is a folder of input/validation with three files:
                have a unit, `length [mm]`. A column is an input unless evaluate.py lists it as a quantity: a name of
                &define, or a key such as material.preset
   evaluate.py  its docstring is the text of the page. QUANTITIES: words and unit of each quantity by name; CELLS: value
-               of `cells` of &define, the resolution; COARSER: how many times fewer the second grid has (2 by default);
+               of `cells` of &define, the resolution, unless `cells` is an input; COARSER: how many times fewer the second
+               grid has (2 by default);
                measure(run, shot): the quantities of a run, in their units; `shot` has the inputs as texts with units
 """
 from __future__ import annotations
@@ -212,7 +213,7 @@ def compute(shots: Sequence[tuple[Family, Shot]], *, program: str | None, outdir
     found = find_program(program)
     grids = []
     for family, shot in shots:
-        fine = cells or family.cells
+        fine = cells or int(shot.inputs.get("cells", family.cells))
         grids += [(family, shot, fine), (family, shot, max(1, round(fine / family.coarser)))]
 
     def one(task: tuple[Family, Shot, int]) -> tuple[Mapping[str, float], float]:
