@@ -5,7 +5,7 @@ A bar strikes a hard wall, and its foot is flattened (G. I. Taylor 1948). Axisym
 the library with the law of Johnson and Cook, without failure. Choice of the constants: Johnson and Cook fitted them
 to torsion and tension tests, not to these bars. *Waist* is the diameter at a fifth of the initial length. The error
 of the lengths was not read in any source, nor was the temper of the copper of Wilkins, Gust, House and Zelepugin, on
-which its yield stress depends.
+which its yield stress depends. Relative to the shortening, a deviation of the length is 1/(1 - ratio) times as large.
 """
 import numpy as np
 

@@ -8,9 +8,9 @@ A family is a folder of input/validation with three files:
                have a unit, `length [mm]`. A column is an input unless evaluate.py lists it as a quantity: a name of
                &define, or a key such as material.preset
   evaluate.py  its docstring is the text of the page. QUANTITIES: words and unit of each quantity by name; CELLS: value
-               of `cells` of &define, the resolution, unless `cells` is an input; COARSER: how many times fewer the second
-               grid has (2 by default);
-               measure(run, shot): the quantities of a run, in their units; `shot` has the inputs as texts with units
+               of `cells` of &define, unless it is an input; COARSER: how many times fewer cells the second grid has (2
+               by default); measure(run, shot): the quantities of a run, in their units; `shot` has the inputs as texts
+               with units
 """
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class Result:
         """Texts for results.csv."""
         error = "" if self.error is None else f"{self.error:g}"
         numbers = (self.prediction, self.cells_error, self.measured)
-        return dict(zip(COLUMNS, (self.family, self.name, self.quantity, self.unit, *(f"{one:.5g}" for one in numbers),
+        return dict(zip(COLUMNS, (self.family, self.name, self.quantity, self.unit, *(f"{one:.4g}" for one in numbers),
                                   error, f"{self.deviation:+.1f}", self.verdict, f"{self.seconds:.2g}")))
 
 
@@ -201,6 +201,8 @@ def changed(family: Family, shot: Shot, settings: Mapping[str, str]) -> Shot:
     for name in settings:
         if name not in known and "." not in name:
             raise unknown("input", name, known, f"family {family.name}", EXIT_USAGE)
+    if not settings.get("cells", "2").isdigit():
+        raise ScreeError(f"cells = {settings['cells']}: write an integer above 1", EXIT_USAGE)
     keys = {name: value for name, value in settings.items() if name not in family.units}
     words = ", ".join(f"{name} = {value}" for name, value in settings.items())
     return Shot("prediction", f"{shot.name} with {words}", {**shot.inputs, **with_units(family, settings), **keys}, {},
@@ -282,15 +284,16 @@ def page_rows(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) ->
         if not own:
             continue
         lines += [f"## {family.title}", "", *family.text.splitlines(), "",
-                  "| row | quantity | prediction | cells | measured | error | deviation | verdict | s |",
-                  "|---|---|---|---|---|---|---|---|---|"]
+                  "| row | shot | quantity | prediction | cells | measured | error | deviation | verdict | s |",
+                  "|---|---|---|---|---|---|---|---|---|---|"]
         before = ""
         for row in own:
             words, unit = family.quantities[row["quantity"]]
             first = row["name"] != before
             before = row["name"]
             error = f"{row['error']} %" if row["error"] else ""
-            lines.append(f"| {f'`{before}`' if first else ''} | {look.with_unit(words, unit)} | {row['prediction']} | "
+            shot = f"`{before}` | {family.shots[before].what}" if first else " | "
+            lines.append(f"| {shot} | {look.with_unit(words, unit)} | {row['prediction']} | "
                          f"{float(row['cells_error']):+.2g} | {row['measured']} | {error} | {row['deviation']} % | "
                          f"{row['verdict']} | {row['seconds'] if first else ''} |")
         lines.append("")
