@@ -94,7 +94,7 @@ def test_measured_row(options):
     assert text.startswith(PAGE.partition("old")[0]) and text.endswith(PAGE.partition("old\n")[2]) and "old" not in text
     rows = [line for line in text.splitlines() if line.startswith("| `")]
     assert [row.split("`")[1] for row in rows] == ["shock_cu_2857", "shock_al_2200"], "a line each, ordered"
-    assert "2 measured quantities: 2 within" in text and first[0].split()[6] in rows[0]
+    assert "2 measured quantities: 2 within" in text and f"| {prediction:.4g} |" in rows[0]
     assert (options.work / "figures/page.png").stat().st_size > 10000
 
 

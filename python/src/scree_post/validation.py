@@ -115,9 +115,9 @@ class Result:
     def row(self) -> dict[str, str]:
         """Texts for results.csv."""
         error = "" if self.error is None else f"{self.error:g}"
-        numbers = (self.prediction, self.cells_error, self.measured)
-        return dict(zip(COLUMNS, (self.family, self.name, self.quantity, self.unit, *(f"{one:.4g}" for one in numbers),
-                                  error, f"{self.deviation:+.1f}", self.verdict, f"{self.seconds:.2g}")))
+        return dict(zip(COLUMNS, (self.family, self.name, self.quantity, self.unit, f"{self.prediction:.4g}",
+                                  f"{self.cells_error:.2g}", f"{self.measured:g}", error, f"{self.deviation:+.1f}",
+                                  self.verdict, f"{self.seconds:.2g}")))
 
 
 def place() -> Path:
@@ -231,8 +231,8 @@ def compute(shots: Sequence[tuple[Family, Shot]], *, program: str | None, outdir
 
     runs = []
     with Count(len(grids), "validate") as bar, ThreadPoolExecutor(jobs) as pool:
-        for values in pool.map(one, grids):
-            runs.append(values)
+        for answer in pool.map(one, grids):
+            runs.append(answer)
             bar.update()
     results = []
     for (family, shot), (values, seconds), (coarse, more) in zip(shots, runs[::2], runs[1::2]):
@@ -297,8 +297,9 @@ def page_rows(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) ->
                          f"{float(row['cells_error']):+.2g} | {row['measured']} | {error} | {row['deviation']} % | "
                          f"{row['verdict']} | {row['seconds'] if first else ''} |")
         lines.append("")
-        lines += [f"* `{shot.name}`: {shot.note}" for shot in family.shots.values() if shot.note]
-        lines += [""] if any(shot.note for shot in family.shots.values()) else []
+        notes = [f"* `{name}`: {family.shots[name].note}" for name in dict.fromkeys(row["name"] for row in own)
+                 if family.shots[name].note]
+        lines += [*notes, ""] if notes else []
     return "\n".join(lines)
 
 
