@@ -55,7 +55,7 @@ def words_of(line, options):
         words += ["--scree", str(options.scree), "--threads", "1"]
         if "two_discs" not in line and "--list" not in words:
             words.append("--list")                       # a long run
-    if words[0] == "accuracy":
+    if words[0] in ("accuracy", "validate"):
         words += ["--scree", str(options.scree)]
     try:
         film.encoder()
@@ -85,7 +85,7 @@ def test_all(options):
             report.skipped(f"the block of '{line}'", "the small cell does not resolve the measure")
             continue
         allowed = {"compare": (0, 1) if "coarse" in line else (0,), "check": (0, report.NOT_RUN)}
-        said = re.sub(r"^accuracy: \d+ of \d+ runs.*\n", "", answer.stderr, flags=re.M)     # the progress
+        said = re.sub(r"^(accuracy|validate): \d+ of \d+ runs.*\n", "", answer.stderr, flags=re.M)     # the progress
         assert answer.returncode in allowed.get(line.split()[0], (0,)) and not said, (
             f"scree-post {line}: exit {answer.returncode} {answer.stderr}{answer.stdout[-300:]}")
 
