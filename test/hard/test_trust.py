@@ -194,7 +194,8 @@ def test_rotation(options, sheet):
                  ("falling", {"effects": "gravity=.true.  gravity_vector=0,0,-0.1"})]
     for name, how in rows:
         for transfer, verdict in (("rflip", "ok"), ("pic", "bad")):
-            run = turn(options, f"{name}_{transfer}", f"transfer='{transfer}'", **how)
+            # usavg turns with the mean of tiles, and the flying block loses 1.1 %, which is a `check`
+            run = turn(options, f"{name}_{transfer}", f"transfer='{transfer}'  stress_update='usl'", **how)
             rated = run.summary["trust"]["angular"]
             sheet.require(rated["verdict"] == verdict, f"{name}, {transfer}: {verdict}: {rated}")
             if transfer == "pic":
