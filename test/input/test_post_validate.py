@@ -22,7 +22,9 @@ PAGE = "# Page\n\nbefore\n\n<!-- rows -->\nold\n<!-- end of rows -->\n\nafter\n"
 def lines_of(answer):
     """Lines of the table that a call printed."""
     assert answer.returncode == 0, answer.stderr
-    return [line for line in answer.stdout.splitlines()[1:] if "processor time" not in line]
+    lines = answer.stdout.splitlines()
+    first = next(place for place, line in enumerate(lines) if line.startswith("row "))
+    return [line for line in lines[first + 1:] if line.startswith(("shock_", "prediction"))]
 
 
 def test_list():
@@ -90,6 +92,7 @@ def test_measured_row(options):
     assert abs(cells) < 0.05 * measured
     lines_of(call("validate", "shock_al_2200", *words, folder=options.work))
     lines_of(call("validate", "shock_cu_2857", *words, folder=options.work))
+    assert call("validate", "--write", page).returncode == 0, "the page alone, without runs"
     text = page.read_text(encoding="utf-8")
     assert text.startswith(PAGE.partition("old")[0]) and text.endswith(PAGE.partition("old\n")[2]) and "old" not in text
     rows = [line for line in text.splitlines() if line.startswith("| `")]

@@ -292,8 +292,9 @@ def page_rows(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) ->
             first = row["name"] != before
             before = row["name"]
             error = f"{row['error']} %" if row["error"] else ""
-            shot = f"`{before}` | {family.shots[before].what}" if first else " | "
-            lines.append(f"| {shot} | {look.with_unit(words, unit)} | {row['prediction']} | "
+            shot = family.shots[before]
+            words_of = f"`{before}` | {shot.what} ({shot.source})" if first else " | "
+            lines.append(f"| {words_of} | {look.with_unit(words, unit)} | {row['prediction']} | "
                          f"{float(row['cells_error']):+.2g} | {row['measured']} | {error} | {row['deviation']} % | "
                          f"{row['verdict']} | {row['seconds'] if first else ''} |")
         lines.append("")

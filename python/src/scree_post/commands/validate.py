@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--outdir", type=Path, default=Path("out/validation"), help="folder of the runs (out/validation)")
     add("--write", nargs="?", type=Path, const=PAGE, metavar="PAGE",
         help="renew results.csv, the tables and the figure of the page doc/theory/validation.md, or of another page, "
-        "which has its own results.csv beside it")
+        "which has its own results.csv beside it; without a name the page only")
 
 
 def show_list(known: dict[str, validation.Family]) -> None:
@@ -115,11 +115,15 @@ def run(options: argparse.Namespace) -> int:
     if options.write is not None:
         validation.parts_of(options.write)               # an error before the runs
     if not shots:
-        show_list(known)
+        if options.write is None:
+            show_list(known)
+        else:
+            write(options.write, [], known)
         return 0
     if options.settings:
         family, shot = shots[0]
         shots = [(family, validation.changed(family, shot, dict(options.settings)))]
+        print(f"{shot.what}, with " + ", ".join(f"{name} = {value}" for name, value in shots[0][1].inputs.items()))
     threads = threads_of_a_run()
     results = validation.compute(shots, program=options.scree, outdir=options.outdir, threads=threads,
                                  jobs=options.jobs or jobs_for(threads), cells=options.cells)
