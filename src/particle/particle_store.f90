@@ -17,6 +17,9 @@ module particle_store
    integer, parameter, public :: moved_out = -2       !! Home of a particle that left the box
    integer, parameter, public :: moved_off = -3       !! Home of a removed particle
 
+   !> Half strain of particles from a snapshot without the field `ahead` [1]
+   real(wp), parameter, public :: unknown_strain = 1.0e20_wp
+
    !> Fields that the method or the scene requests of all particles.
    type :: traits_t
       logical :: body = .false.                       !! Body of each particle

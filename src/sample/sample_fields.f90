@@ -20,10 +20,10 @@ module sample_fields
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "velocity", "pressure", "mises", "temperature", "plastic_strain", "damage", "failed"]
 
-   !> Not part of "state": positions are always written, `ahead` belongs to a step, and a new run
-   !! sets `load_marks` from its own loads.
-   character(len=field_name_length), parameter :: passing_names(3) = &
-      [character(len=field_name_length) :: "position", "ahead", "load_marks"]
+   !> Not part of "state": positions are always written, and a new run sets `load_marks` from its
+   !! own loads.
+   character(len=field_name_length), parameter :: passing_names(2) = &
+      [character(len=field_name_length) :: "position", "load_marks"]
 
    !> One field of an output.
    type :: column_t
@@ -76,8 +76,8 @@ contains
          "viscous_pressure", "energy", "temperature", "plastic_strain", "equivalent_strain", &
          "inertial_number", "damage", "failed", "deformation_gradient", "plastic_dilation", &
          (own%entries(i)%field, i=1, size(own%entries)), "porosity", "scatter", "overload", &
-         "bulking", "solid_fraction", "bond", "extent", "domain", "affine", "spin", "burn_time", &
-         "fragment"]
+         "bulking", "solid_fraction", "bond", "extent", "domain", "affine", "spin", "ahead", &
+         "burn_time", "fragment"]
    end function field_names
 
    !> Choose the columns of an output: names, "default" for the usual ones, or "state" for all

@@ -31,12 +31,6 @@ HEAT = "&effects damage = .true.  thermal = .true.  melting = .true. /\n"
 QUANTITIES = ("points", "velocity", "stress", "volume")
 
 
-def deck_of(scene):
-    """The deck of a scene; without keys of &method with usl, since a snapshot lacks the predicted strains of usavg."""
-    text = DECK.format(**scene)
-    return text if "&method" in text or "method = 'mpm'" in text else text + "&method stress_update = 'usl' /\n"
-
-
 def table(snapshot, origin=None):
     """Values by quantity, in the order of identities, or in that of the rows from which they were read."""
     identity = snapshot.fields["identity"]
@@ -51,7 +45,7 @@ class TestGoingOn:
 
     def run_of(self, options, name, steps, **scene):
         """A run with a snapshot after each half of its steps."""
-        run = case.Case(options, name, deck_of({**SCENE, "steps": steps, "every": 30, **scene}))
+        run = case.Case(options, name, DECK.format(steps=steps, **{**SCENE, "every": 30, **scene}))
         return run.run("--quiet")
 
     def pair(self, options, first, placing="", **second):
@@ -90,8 +84,8 @@ class TestGoingOn:
     def test_methods(self, options, sheet):
         """To rounding with each order of update; the step length changes, so the length of the first step matters."""
         for method in ("ddmp", "mpm"):
-            for update in ("usl", "usf", "musl"):
-                if (method, update) == ("mpm", "usl"):
+            for update in ("usl", "usf", "musl", "usavg"):
+                if (method, update) in (("mpm", "usl"), ("mpm", "usavg")):
                     continue
                 with sheet.part(f"{method} {update}"):
                     more = f"&method stress_update = '{update}' /\n" + FALL
@@ -120,8 +114,9 @@ class TestGoingOn:
         self.follows(self.pair(options, {"material": rubber}), 1e-12)
 
     def test_turned(self, options, sheet):
-        """Rotated by a right angle, translated by cells, and twice as large with cells and times twice as large, the
-        run is the same: vectors, tensors, boxes and times are transformed."""
+        """Rotated by a right angle, translated by tiles, and twice as large with cells and times twice as large, the
+        run is the same: vectors, tensors, boxes and times are transformed. usavg averages rotations over tiles, so both
+        grids consist of whole tiles."""
         ball = {"shape": "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.3", "more": "",
                 "body": "velocity = 1 2 -30  spin = 20 30 500"}
         turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])          # 90 degrees about z
@@ -132,12 +127,12 @@ class TestGoingOn:
                           ("aflip", {"method": "method = 'mpm'",
                                      "more": "&method basis = 'quadratic'  transfer = 'aflip' /"})]:
             with sheet.part(name):
-                first = {**ball, **how}
-                whole, half, rest, _ = self.pair(options, first, "scale = 2  rotate = 0 0 90  translate = 2.25 0.25 0",
-                                                 size=2.5, wide=2.5, dx=0.25)
+                first = {**ball, "size": 1.5, "wide": 1.5, **how}
+                whole, half, rest, _ = self.pair(options, first, "scale = 2  rotate = 0 0 90  translate = 3 1.5 0",
+                                                 size=3, wide=4.5, dx=0.25)
                 found, wanted = table(rest, half), table(whole)
                 assert np.abs(wanted["stress"][:, 3:]).max() > 1e4
-                wanted["points"] = 2 * wanted["points"] @ turn.T + [2.25, 0.25, 0]
+                wanted["points"] = 2 * wanted["points"] @ turn.T + [3, 1.5, 0]
                 wanted["velocity"] = wanted["velocity"] @ turn.T
                 xx, yy, zz, xy, yz, xz = wanted["stress"].T
                 wanted["stress"] = np.column_stack([yy, xx, zz, -xy, xz, -yz])
@@ -160,11 +155,11 @@ class TestGoingOn:
             first = {"material": law, "shape": "shape = 'sphere'  centre = 0 0 0  radius = 0.3", "more": "", "size": 1,
                      "body": "velocity = 1 2 -30  spin = 20 30 500", **how}
             deck_lo = "lo = -1 -1 -1"
-            whole = case.Case(options, "turned", deck_of({**SCENE, "steps": 30, "every": 30, **first})
+            whole = case.Case(options, "turned", DECK.format(steps=30, **{**SCENE, "every": 30, **first})
                               .replace("lo = 0 0 0", deck_lo)).run("--quiet")
             file = whole.path("_p_000001.hdf")
             placing = "scale = 1.5  rotate = 20 -35 50  translate = 0.1 0.2 -0.1"
-            run = case.Case(options, "rest", deck_of({"steps": 0, **{
+            run = case.Case(options, "rest", DECK.format(steps=0, **{
                 **SCENE, "every": 30, **first, "shape": f"shape = 'points'  file = '{file}'  {placing}",
                 "body": "packing = 'file'  initial_stress = 'file'"}).replace("lo = 0 0 0", deck_lo)).run("--quiet")
             before = whole.snapshots()[1][1]
@@ -178,13 +173,13 @@ class TestGoingOn:
             full = turn @ full @ turn.T
             wanted["stress"] = np.column_stack([full[:, i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2),
                                                                            (0, 2))])
-            for name, factor in (("deformation_gradient", 1), ("affine", 1 / 1.5)):
+            for name, factor in (("deformation_gradient", 1), ("ahead", 1), ("affine", 1 / 1.5)):
                 if name in old:         # columns of the matrix one after another
                     full = turn @ old[name].reshape(-1, 3, 3).transpose(0, 2, 1) @ turn.T
                     wanted[name] = factor * full.transpose(0, 2, 1).reshape(-1, 9)
             if "domain" in old:         # edges one after another
                 wanted["domain"] = 1.5 * (old["domain"].reshape(-1, 3, 3) @ turn.T).reshape(-1, 9)
-            assert ("spin" if not how else "domain") in wanted
+            assert {"spin", "ahead"} <= set(wanted) if not how else "domain" in wanted
             for name, values in wanted.items():
                 assert np.abs(found[name] - values).max() < 1e-13 * np.abs(values).max(), name
             assert np.abs(old["stress"][:, 3:]).max() > 1e3
@@ -192,19 +187,19 @@ class TestGoingOn:
     def test_plane_and_rings(self, options):
         """In a plane scene points are rotated within the plane and masses grow with the square of the factor, because
         the depth is constant; masses of rings grow with the cube."""
-        for dimension, placing, power in (("plane_strain", "scale = 2  rotate = 0 90 0  translate = 0 0 2", 2),
+        for dimension, placing, power in (("plane_strain", "scale = 2  rotate = 0 90 0  translate = 0 0 2.5", 2),
                                           ("axisymmetric", "scale = 2", 3)):
-            first = {"dimension": dimension, "more": "", "body": "velocity = 1 0 -30  spin = 0 500 0",
+            first = {"dimension": dimension, "more": "", "size": 1.25, "body": "velocity = 1 0 -30  spin = 0 500 0",
                      "shape": "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.3"}
             if power == 3:
                 first.update(more="&boundary face = 'zlo'  type = 'slip' /", body="velocity = 0 0 -30",
                              shape="shape = 'sphere'  centre = 0 0 0.32  radius = 0.3")
-            whole, half, rest, begin = self.pair(options, first, placing, size=2, dx=0.25)
+            whole, half, rest, begin = self.pair(options, first, placing, size=2.5, dx=0.25)
             found, wanted = table(rest, half), table(whole)
             turn = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0.0]]) if power == 2 else np.eye(3)
             wanted["velocity"] = wanted["velocity"] @ turn.T
             middle = 0.5 if power == 2 else 0.0
-            wanted["points"] = 2 * wanted["points"] @ turn.T + [0, 0, 2 if power == 2 else 0]
+            wanted["points"] = 2 * wanted["points"] @ turn.T + [0, 0, 2.5 if power == 2 else 0]
             wanted["points"][:, 1] = middle
             wanted["volume"] *= 2**power
             if power == 2:
@@ -221,13 +216,13 @@ class TestGoingOn:
         half = self.run_of(options, "half", 30, **boxes)
         file = half.path("_p_000001.hdf")
         shape = f"shape = 'points'  file = '{file}'  rotate = 0 0 30  translate = 0.4 0 0"
-        run = case.Case(options, "boxes", deck_of({"steps": 0, **{**SCENE, "every": 30, **boxes, "shape": shape,
+        run = case.Case(options, "boxes", DECK.format(steps=0, **{**SCENE, "every": 30, **boxes, "shape": shape,
                                                                  "body": "packing = 'file'"}))
         run.run("--check", "--no-estimate")
         assert "so 'extent' of" in run.output
         shape = f"shape = 'points'  file = '{file}'"
         for paper, expected in ((".false.", False), (".true.", True)):
-            run = case.Case(options, "paper", deck_of({"steps": 0, **{
+            run = case.Case(options, "paper", DECK.format(steps=0, **{
                 **SCENE, "every": 30, "more": f"&method paper = {paper} /", "shape": shape,
                 "body": "packing = 'file'"}))
             run.run("--check", "--no-estimate")

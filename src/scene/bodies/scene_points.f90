@@ -377,7 +377,8 @@ contains
          character(len=*), intent(in) :: name        !! Name of the field
 
          yes = (name == "extent" .and. traits%extent) .or. (name == "domain" .and. traits%domain) &
-            .or. (name == "affine" .and. traits%affine) .or. (name == "spin" .and. traits%spin)
+            .or. (name == "affine" .and. traits%affine) .or. (name == "spin" .and. traits%spin) &
+            .or. (name == "ahead" .and. traits%averaged)
       end function of_method
    end subroutine compare_fields
 end module scene_points

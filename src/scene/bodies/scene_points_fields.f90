@@ -9,7 +9,7 @@ module scene_points_fields
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_points, only: data_group, factor_of
    use particle_body, only: body_t
-   use particle_store, only: store_t
+   use particle_store, only: store_t, unknown_strain
    use scene_points, only: comes_from_file, point_region_t
    use scene_points_placing, only: components_of, placing_t
    use scene_regions, only: named_shape_t
@@ -92,6 +92,8 @@ contains
 
       call source%open(points%path, error)
       associate (store => simulation%stores(body%store))
+         if (allocated(store%ahead)) &
+            store%ahead(putter%particle(:putter%count), :) = unknown_strain
          do n = 1, size(points%list%fields)
             if (allocated(error)) exit
             putter%name = points%list%fields(n)%text

@@ -121,7 +121,7 @@ contains
                values(k:k + 2, n) = self%scale*matmul(self%rotation, values(k:k + 2, n))
             end do
          end do
-      case ("affine", "deformation_gradient")
+      case ("affine", "deformation_gradient", "ahead")
          do n = 1, size(values, 2)
             values(:, n) = reshape(turned(self%rotation, reshape(values(:, n), [3, 3])), [9])
          end do
@@ -144,7 +144,7 @@ contains
          components = 3
       case ("stress")
          components = 6
-      case ("domain", "affine", "deformation_gradient")
+      case ("domain", "affine", "deformation_gradient", "ahead")
          components = 9
       case default
          components = 1

@@ -10,7 +10,7 @@
 !! (T.9) of doc/theory/transfers.md.
 module step_strain_average
    use base_kinds, only: wp
-   use particle_store, only: store_t
+   use particle_store, only: store_t, unknown_strain
    implicit none
    private
 
@@ -42,22 +42,24 @@ contains
       end do
    end subroutine keep_earlier
 
-   !> Correct the predicted half strain of the last step, and predict that of this step.
+   !> Correct the predicted half strain of the last step, unless it is unknown, and predict that of
+   !! this step.
    pure subroutine average_strain(store, tile, earlier, gradient)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: earlier(:, :) !! (particle of the tile, 9) Half strain [1]
       !> (particle of the tile, 9) In: strain of the advection velocity; out: strain of the step [1]
       real(wp), contiguous, intent(inout) :: gradient(:, :)
-      real(wp) :: half
+      real(wp) :: half, error
       integer :: p, q, k
 
       do k = 1, 9
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             half = 0.5_wp*gradient(p, k)
-            gradient(p, k) = gradient(p, k) + min(most, max(-most, earlier(p, k) &
-               - store%ahead(q, k)))
+            error = merge(0.0_wp, earlier(p, k) - store%ahead(q, k), &
+               abs(store%ahead(q, k)) >= unknown_strain)
+            gradient(p, k) = gradient(p, k) + min(most, max(-most, error))
             store%ahead(q, k) = half
          end do
       end do
