@@ -24,7 +24,7 @@ from pathlib import Path
 SCENE = """
 &run  dimension='plane_strain'  method='ddmp' /
 &units  system='si' /
-&method  {method} /
+&method  stress_update='usl'  {method} /
 &grid  lo=0,0,0  hi=1,1,1  dx=0.03125 /
 &time  t_end=1.0e3  max_steps={steps} /
 &effects  {effects} /
@@ -57,7 +57,7 @@ PORES = ("density=1000  shear=5.0e5  eos_model='p_alpha'  mg_c0=32  mg_s=1.3  mg
 MU = "strength_model='mu_i'  mu_s=0.4  mu_2=0.7  mu_i0=0.3  grain_diameter=1.0e-3  grain_density=2500"
 
 
-def scene(effects=PLAIN, material=ELASTIC, method="stress_update='usl'"):
+def scene(effects=PLAIN, material=ELASTIC, method=""):
     """A deck without the number of its steps."""
     return SCENE.replace("{effects}", effects).replace("{material}", material).replace("{method}", method)
 
@@ -116,9 +116,8 @@ EFFECTS = {
     "damping": (scene(f"{PLAIN}  damping=0"), scene(), scene(f"{PLAIN}  damping=1")),
     "load": (None, scene(), scene() + LOAD),
     "forces": (None, scene(), scene() + FORCES),
-    "antilock": (scene(method="stress_update='usl' antilock='none'"), scene(), scene(method="stress_update='usl' antilock='bbar'")),
-    "sub_points": (scene(method="stress_update='usl' quadrature='point'"), scene(),
-                   scene(method="stress_update='usl' quadrature='sub_points'")),
+    "antilock": (scene(method="antilock='none'"), scene(), scene(method="antilock='bbar'")),
+    "sub_points": (scene(method="quadrature='point'"), scene(), scene(method="quadrature='sub_points'")),
 }
 
 

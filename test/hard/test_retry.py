@@ -7,7 +7,8 @@ shorter than dt_min, a step that is changed although the deck fixes it.
 
 A step is repeated if a node would move by more than half a cell, so two nodes of a cell approach each other by a cell
 at most and the logarithm of a volume changes by at most 1 in a step. Without repetition the streams must exceed that,
-and may end with an error.
+and may end with an error. usavg corrects each component of a strain by up to 0.1 (step_strain_average), which the bound
+of the nodes does not include: 1.2 at most in a plane, 2 artanh(0.6) of the logarithm.
 """
 # timeout: 300
 
@@ -89,7 +90,8 @@ def strain_of_steps(run):
 
 def test_streams(options, sheet):
     """Streams at eight times the speed of sound, for each stress update and velocity transfer."""
-    for name, method, words in (("ddmp", "ddmp", "&method stress_update='usl' /"), ("mpm", "mpm", ""),
+    for name, method, words in (("default", "ddmp", ""), ("mpm", "mpm", ""),
+                                ("ddmp", "ddmp", "&method stress_update='usl' /"),
                                 ("musl", "ddmp", "&method stress_update='musl' /")):
         runs = []
         for time in ("", "retry=.false."):
@@ -104,7 +106,11 @@ def test_streams(options, sheet):
         now, was = (abs(run.summary["ledger"]["energy_error"]) for run in runs)
         print(f"         streams {name}: energy error {now:.3f}, without {was:.3f}", flush=True)
         worst = [strain_of_steps(run) for run in runs]
-        sheet.below(f"streams {name}: greatest volume strain of a step", worst[0], 1.0)
+        if name == "default":
+            sheet.known(f"streams {name}: greatest volume strain of a step", worst[0],
+                        limit=2.0 * float(np.arctanh(0.6)), target=1.0)
+        else:
+            sheet.below(f"streams {name}: greatest volume strain of a step", worst[0], 1.0)
         sheet.above(f"streams {name}: the same without", worst[1], 1.0)
         sheet.require(runs[1].summary["steps_limited_by"]["retry"] == 0, f"{name}: switched off")
 

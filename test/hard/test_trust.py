@@ -193,11 +193,16 @@ def test_rotation(options, sheet):
         rows += [("space", {"dimension": "3d"}), ("oblique", {"dimension": "3d", "motion": "spin=1,-0.5,0.7"}),
                  ("falling", {"effects": "gravity=.true.  gravity_vector=0,0,-0.1"})]
     for name, how in rows:
-        for transfer, verdict in (("rflip", "ok"), ("pic", "bad")):
-            # usavg turns with the mean of tiles, and the flying block loses 1.1 %, which is a `check`
-            run = turn(options, f"{name}_{transfer}", f"transfer='{transfer}'  stress_update='usl'", **how)
+        # usavg averages the rotation over tiles, and the flying block crosses an edge of a tile; bad is beyond 0.05
+        flies = name == "flying"
+        for transfer, more, verdict in (("rflip", "", "check" if flies else "ok"),
+                                        ("rflip", "stress_update='usl'", "ok"), ("pic", "", "bad")):
+            run = turn(options, f"{name}_{transfer}_{len(more)}", f"transfer='{transfer}' {more}", **how)
             rated = run.summary["trust"]["angular"]
-            sheet.require(rated["verdict"] == verdict, f"{name}, {transfer}: {verdict}: {rated}")
+            if verdict == "check":
+                sheet.known(f"{name}: part of the angular momentum that is lost", rated["value"], limit=0.05,
+                            target=0.01)
+            sheet.require(rated["verdict"] == verdict, f"{name}, {transfer} {more}: {verdict}: {rated}")
             if transfer == "pic":
                 # the filter has removed more than 99 % by then (test/verify/matrix/test_blocks.py)
                 sheet.near(f"{name}, pic: all is lost", rated["value"], 1.0, 0.01)

@@ -3,7 +3,8 @@
 
 Would catch: a field that is allocated although nothing requested it, an exchange or a phase of an effect that is off,
 and an effect that changes the state although it is off. Effects that are on must change the state; otherwise the test
-would show nothing. Instructions are counted by test/bench/effects.py.
+would show nothing. The scenes name usl, because some effects exclude usavg, the default of elastic material; the others
+are compared with it too. Instructions are counted by test/bench/effects.py.
 """
 # timeout: 200
 
@@ -47,6 +48,12 @@ def test_effects_off(options, sheet):
         sheet.require(without[1] == never_named[1], f"{name}: the same bytes off and never named")
         sheet.require(without[2] == never_named[2], f"{name}: the same phases, called as often")
     sheet.require(compared >= 8, "effects were compared")
+    for name in ("artificial_viscosity", "gravity", "contact", "damping", "antilock"):
+        off, never, _ = (deck.replace("stress_update='usl'", "") for deck in effects.EFFECTS[name])
+        other = run(f"{name}_never_usavg", never)
+        sheet.require(run(f"{name}_off_usavg", off) == other,
+                      f"{name}: with usavg the same bits, bytes and phases off and never named")
+        sheet.require(other[0] != run(f"{name}_never", effects.EFFECTS[name][1])[0], f"{name}: usavg differs from usl")
     for name in ("thermal", "damage", "size_scatter", "voids", "conduction"):
         off, never, on = effects.EFFECTS[name]
         sheet.above(f"{name}: bytes that it carries", run(name, on)[1] - run(name, off or never)[1], 8.0)

@@ -71,7 +71,7 @@ contains
       names = group%given("stress_update") .and. word == stress_names(stress_average)
    end function names_average
 
-   !> Does the deck ask for a state at rest? It is found sooner where the strain dissipates too.
+   !> Does damping lead to a state at rest? It is found sooner where the strain dissipates too.
    logical function is_damped(deck)
       type(deck_t), intent(in) :: deck
       real(wp) :: rate
