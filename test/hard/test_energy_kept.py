@@ -8,8 +8,8 @@ in favour of energy, a loss without a warning or with another number than that o
 by another one, damping that is not recorded.
 
 A neo-Hookean body dissipates nothing, so all energy lost is an error. Target: 1 % for two rings of five cells, soft
-blocks and free vibration of ten cells in nine periods; angular momentum 1e-4 per turn. The rings, held at 2 %, the ball
-and the angular momentum, held at ten times the target, are known misses. The control is `usl`, which must lose more than a tenth in the
+blocks and free vibration of ten cells in nine periods; angular momentum 1e-4 per turn. The rings, held at 2 %, and the ball,
+held at ten times the target, are known misses. The control is `usl`, which must lose more than a tenth in the
 rings; otherwise the rings would no longer show the improvement. Energy removed by the PIC fraction is recorded: with `flip = 0.999` the
 balance must close too, and the removed energy is more than a tenth.
 """
@@ -162,5 +162,4 @@ def test_blocks(options, sheet):
 
 def test_disc(options, sheet):
     good = run(options, "disc", DISC, (0.1, 0.5, 0.1), 0.005, 2 * np.pi / 100)
-    sheet.known("disc: angular momentum in a turn", good.summary["ledger"]["angular_momentum_error"], limit=1.0e-3,
-                target=1.0e-4)
+    sheet.below("disc: angular momentum in a turn", good.summary["ledger"]["angular_momentum_error"], 1.0e-4)
