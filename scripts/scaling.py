@@ -74,7 +74,8 @@ def words_of(options, method):
 
 def block_deck(options, method, cells):
     """Deck of the periodic block with numbers of cells along its edges."""
-    return BLOCK.format(method=method, cells=cells, steps=options.steps, words=words_of(options, method), ppc=options.ppc)
+    return BLOCK.format(method=method, cells=cells, steps=options.steps, words=words_of(options, method),
+                        ppc=options.ppc)
 
 
 def weak_deck(options, method, workers):

@@ -22,10 +22,10 @@ falls along with the block without slip, so the block is subject to friction for
 times that crossing time, it slides, and Newton's law for the whole block says that its position along the floor plus mu
 times its position normal to it has the acceleration g (sin - mu cos), however it bounces: target 1e-3. Blocks that
 stick vibrate in shear: at most the speed of free fall after the time of a shear wave through their height, 2.6 % of
-the final speed. Bars of equal impedance transfer all of their velocity: the remainder is at most that of the one cell of a bar at
-the surface, 2 %. A light bar rebounds from a heavy one with its whole speed: 2 % for the same reason in both
-directions. Bonds: the velocities of one body, or, if they break, the full velocities, within 2 % of the speed of the
-impact, one cell.
+the final speed. Bars of equal impedance transfer all of their velocity: the remainder is at most that of the one cell
+of a bar at the surface, 2 %. A light bar rebounds from a heavy one with its whole speed: 2 % for the same reason in
+both directions. Bonds: the velocities of one body, or, if they break, the full velocities, within 2 % of the speed of
+the impact, one cell.
 """
 # tiers: smoke, full
 

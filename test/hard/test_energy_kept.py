@@ -8,10 +8,10 @@ in favour of energy, a loss without a warning or with another number than that o
 by another one, damping that is not recorded.
 
 A neo-Hookean body dissipates nothing, so all energy lost is an error. Target: 1 % for two rings of five cells, soft
-blocks and free vibration of ten cells in nine periods; angular momentum 1e-4 per turn. The rings, held at 2 %, and the ball,
-held at ten times the target, are known misses. The control is `usl`, which must lose more than a tenth in the
-rings; otherwise the rings would no longer show the improvement. Energy removed by the PIC fraction is recorded: with `flip = 0.999` the
-balance must close too, and the removed energy is more than a tenth.
+blocks and free vibration of ten cells in nine periods; angular momentum 1e-4 per turn. The rings, held at 2 %, and the
+ball, held at ten times the target, are known misses. The control is `usl`, which must lose more than a tenth in the
+rings; otherwise the rings would no longer show the improvement. Energy removed by the PIC fraction is recorded: with
+`flip = 0.999` the balance must close too, and the removed energy is more than a tenth.
 """
 # tiers: smoke, full
 # timeout: 300

@@ -190,7 +190,7 @@ def test_gap(options, sheet):
                 side = np.sign(snap.points[:, axis] - middle)
                 stress = np.abs(snap.fields["stress"]).max(axis=1)
                 motion = np.abs(snap.fields["velocity"][:, axis] - speed * side)
-                # nothing is faster than the wave, c = 1, and what the mappings of mean stress and strain spread ahead of it
+                # nothing is faster than the wave, c = 1, and what the means of stress and strain spread ahead of it
                 far = snap.points[:, 0] < 30.0 - 12.0 - time if notch else side == side
                 most = max(most, stress[far].max() / speed)
                 change = max(change, motion[far].max() / speed)

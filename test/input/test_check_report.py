@@ -231,8 +231,8 @@ class TestMemory:
         """Would catch a run that begins: it would be killed later. --check only warns, --force goes on."""
         made = case.Case(options, "refused", BLOCK.format(dx=0.00125, material=ELASTIC))
         said = made.run(expect=2).output
-        assert re.search(r"refused\.nml:2: error: &grid: the run needs about .* [GT]B of memory, and .* GB are available; "
-                         r"use larger cells or fewer ppc.* continue with --force \[R134\]", said), said
+        assert re.search(r"refused\.nml:2: error: &grid: the run needs about .* [GT]B of memory, and .* GB are "
+                         r"available; use larger cells or fewer ppc.* continue with --force \[R134\]", said), said
         said = made.run("--check", "--no-estimate").output
         assert re.search(r"refused\.nml:2: warning: .*\[R134\]", said), said
 

@@ -92,8 +92,11 @@ contains
 
       call source%open(points%path, error)
       associate (store => simulation%stores(body%store))
-         if (allocated(store%ahead)) &
-            store%ahead(putter%particle(:putter%count), :) = unknown_strain
+         if (allocated(store%ahead)) then
+            do n = 1, putter%count
+               store%ahead(putter%particle(n), :) = unknown_strain
+            end do
+         end if
          do n = 1, size(points%list%fields)
             if (allocated(error)) exit
             putter%name = points%list%fields(n)%text

@@ -72,14 +72,14 @@ contains
    end function names_average
 
    !> Does damping lead to a state at rest? It is found sooner where the strain dissipates too.
-   logical function is_damped(deck)
+   logical function is_damped(deck) result(damped)
       type(deck_t), intent(in) :: deck
       real(wp) :: rate
       type(group_t) :: group
 
       group = deck%group("effects", 1)
       call group%get("damping", rate)
-      is_damped = rate > 0.0_wp
+      damped = rate > 0.0_wp
    end function is_damped
 
    !> Do the keys of the deck allow the strain of two velocities with a mean stress of the nodes?

@@ -10,10 +10,10 @@ points, or in the second of two layers.
 
 A velocity of the boundary xlo, sin**2 over 20 cells, propagates through a bar of 100 cells; what a bar of 200 cells
 does not have is compared with the incident amplitude. A free boundary gives +0.88, a mirror plane -0.87, since the
-method itself spreads so short a pulse on its path of 200 cells; the absorbing boundary 0.0013 with usl, target 0.005. The
-strain of usavg has in the last cell the velocities of particles on one side alone: 0.0064, a known miss held at twice
-the target. For shear 0.0077, limit 0.01; a pulse of 40 cells 0.0017; mpm with linear functions 0.0073, quadratic ones
-0.012, limit 0.02.
+method itself spreads so short a pulse on its path of 200 cells; the absorbing boundary 0.0013 with usl, target 0.005.
+The strain of usavg has in the last cell the velocities of particles on one side alone: 0.0064, a known miss held at
+twice the target. For shear 0.0077, limit 0.01; a pulse of 40 cells 0.0017; mpm with linear functions 0.0073, quadratic
+ones 0.012, limit 0.02.
 
 Oblique incidence: packets of P waves of 17 cells that meet two boundaries at 45 degrees and angles around it.
 Reflection by dashpots is a linear problem of three waves, solved here and averaged over the directions of the packet:

@@ -24,10 +24,10 @@ the target of test_spin.py, 1e-3 per turn; cells at the rim are partly filled, a
 the velocity stress/(rho c). Orders by least squares over four grids: those of a ratio of errors per doubling of the
 cells of 3.5 instead of 4 where the error is of second order, 3.3 on the grids of the cube, 1.8 instead of 2 where free
 rims make it of first order. The disc misses its orders, the velocity of the ring its
-limit: known misses; the errors of the disc must decrease, that of the ring is held at twice its limit. A limit for the stress
-applies to the line only: elsewhere free ends or particles that cross cells make it of first order. The momentum balance
-closes to round-off; those of energy and angular momentum within the accuracy of the time step, target 1 % and 2e-3:
-without the recorded work of the body force the error would be 1.
+limit: known misses; the errors of the disc must decrease, that of the ring is held at twice its limit. A limit for the
+stress applies to the line only: elsewhere free ends or particles that cross cells make it of first order. The momentum
+balance closes to round-off; those of energy and angular momentum within the accuracy of the time step, target 1 % and
+2e-3: without the recorded work of the body force the error would be 1.
 """
 # timeout: 200
 

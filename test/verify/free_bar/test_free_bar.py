@@ -33,7 +33,8 @@ import tier
 TURN, WAVE, SPEED, LENGTH, END = np.pi * 10.0 / 25.0, np.pi / 25.0, 10.0, 25.0, 9.0
 TARGET = 0.01                          # of the energy of the vibration
 LINEAR_VISCOSITY = 0.06                # bulk_q1 by default
-OTHERS = {"usl": ("ddmp", "stress_update='usl'"), "pure_flip": ("ddmp", "stress_update='usl' flip=1"), "usf": ("ddmp", "stress_update='usf'"),
+OTHERS = {"usl": ("ddmp", "stress_update='usl'"), "pure_flip": ("ddmp", "stress_update='usl' flip=1"),
+          "usf": ("ddmp", "stress_update='usf'"),
           "musl": ("ddmp", "stress_update='musl'"), "control": ("ddmp", "stress_update='usl' quadrature='control'"),
           "quadratic": ("mpm", "basis='quadratic'")}
 FULL = pytest.mark.tiers("full", "long")
