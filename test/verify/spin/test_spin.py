@@ -15,7 +15,8 @@ of at least first order, with a margin for the rim); order at least 1 over four 
 m: if the mean angular velocity is off by half of that target, the angle is off by 2 pi 0.5e-3 after the turn, a
 displacement of 1.1e-3 (root mean square). Stress (root mean square over that at the centre): cells at the rim are
 partly filled; the limit is the error of a rim one cell wide without any hoop and axial stress, 0.15 with ten cells and
-0.21 with five. The default damps nothing at the rim: a known miss of two particles, held at 1.5 times that. Two errors that are small on the coarsest grid do not decrease: known misses of the
+0.21 with five. The default damps nothing at the rim: a known miss of two particles, held at 1.5 times that. Two errors
+that are small on the coarsest grid do not decrease: known misses of the
 order, held at half an order of growth. The second disc begins without strain, so it vibrates about the same rotation:
 same target for the angular momentum, energy 1 %.
 
