@@ -8,7 +8,6 @@ module particle_fill
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform
    use mesh_grid, only: grid_t
-   use mesh_ring, only: ring_centre, ring_middle
    use particle_body, only: belongs, body_t, cell_of, find_boxes, find_near, site_position, &
       tile_sites
    use particle_store, only: store_t
@@ -111,8 +110,6 @@ contains
       logical :: inside
 
       position = middle
-      if (grid%axisymmetric) position(1) = ring_centre(middle(1), grid%spacing &
-         /real(bodies(body)%per_cell(1), wp))
       inside = belongs(bodies, body, middle, later)
       share = merge(1.0_wp, 0.0_wp, inside)
       if (.not. bodies(body)%cut) return
@@ -288,9 +285,7 @@ contains
             call add_particle(bodies, body, tile, it%first_identity + number(n) - 1, &
                cell_number(grid, cell_of(grid, position(:, n)) - coordinate*grid%width), &
                position(:, n), it%share*volume(n), store)
-            depth = grid%depth
-            if (grid%axisymmetric) depth = 2.0_wp*pi*merge(position(1, n), &
-               ring_middle(position(1, n), it%share*volume(n)), it%given%clipped)
+            depth = merge(2.0_wp*pi*position(1, n), grid%depth, grid%axisymmetric)
             half = merge(0.5_wp*(it%share*volume(n)/depth)**(1.0_wp/real(grid%dimensions, wp)), &
                0.0_wp, grid%active)
             call set_size(half, store%first(tile) + store%count(tile) - 1, store)

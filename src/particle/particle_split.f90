@@ -206,9 +206,8 @@ contains
       type(grid_t), intent(in) :: grid
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
-      real(wp) :: square, reach, share(2)
-      ! of the mass of the whole: less only if the ring of a particle reaches across the axis
-      real(wp), parameter :: least_share = 0.25_wp
+      real(wp) :: square, reach
+      real(wp), parameter :: least_share = 0.1_wp    ! of the mass of the whole
       integer :: k
 
       edge = 0
@@ -219,18 +218,19 @@ contains
       if (.not. 4.0_wp*square > (splitting%longest*grid%spacing)**2) return
       if (store%home(p) < 0) return
       if (generation_of(store%identity(p)) >= splitting%generations) return
-      share = fractions_of_halves(grid, store%position(p, 1), 0.5_wp*store%domain(p, 3*k - 2))
-      if (minval(share) < least_share) return
       edge = k
       do k = 1, 3
          if (.not. grid%active(k) .or. grid%periodic(k)) cycle
-         reach = maxval(share)*abs(store%domain(p, 3*(edge - 1) + k))
+         reach = 0.5_wp*abs(store%domain(p, 3*(edge - 1) + k))
          if (store%position(p, k) - reach < grid%lower(k) .or. &
             store%position(p, k) + reach > grid%upper(k)) then
             edge = 0
             return
          end if
       end do
+      if (.not. grid%axisymmetric) return
+      reach = 0.5_wp*abs(store%domain(p, 3*(edge - 1) + 1))
+      if (minval(fractions_of_halves(grid, store%position(p, 1), reach)) < least_share) edge = 0
    end function too_long
 
    !> True if a particle is larger than a cube with the longest edge. Material without strength
@@ -258,8 +258,7 @@ contains
       if (grid%axisymmetric) share = 0.5_wp*[1.0_wp - shift/radius, 1.0_wp + shift/radius]
    end function fractions_of_halves
 
-   !> Turn two equal particles into halves that conserve the centre of mass and the momentum of the
-   !! whole.
+   !> Turn two equal particles into halves, whose velocities conserve the momentum of the whole.
    !! Equations (P.2) and (P.3).
    pure subroutine halve_particle(grid, flows, store, low, high, edge, opening, gain)
       type(grid_t), intent(in) :: grid
@@ -290,8 +289,8 @@ contains
             /(2.0_wp*share(1)*share(2)*sum(half**2))), opening)
       end if
       do k = 1, 3
-         store%position(high, k) = store%position(low, k) + 2.0_wp*share(1)*half(k)
-         store%position(low, k) = store%position(low, k) - 2.0_wp*share(2)*half(k)
+         store%position(high, k) = store%position(low, k) + half(k)
+         store%position(low, k) = store%position(low, k) - half(k)
          store%domain([low, high], 3*(edge - 1) + k) = half(k)
          store%velocity(high, k) = store%velocity(low, k) + 2.0_wp*share(1)*rate*half(k)
          store%velocity(low, k) = store%velocity(low, k) - 2.0_wp*share(2)*rate*half(k)

@@ -9,7 +9,6 @@ module sample_profile
    use base_exact_totals, only: totals_over_ranks
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
-   use mesh_ring, only: ring_middle
    use particle_store, only: store_t
    use sample_fields, only: picks_t
    use sample_means, only: added, along_axis, by_volume, fill_mean, highest, mean_t
@@ -230,8 +229,7 @@ contains
             + abs(store%domain(p, 6 + axis))
       else
          width = grid%depth
-         if (grid%axisymmetric) width = width*max(ring_middle( &
-            store%position(p, 1), store%state%volume(p)), tiny(width))
+         if (grid%axisymmetric) width = width*max(store%position(p, 1), tiny(width))
          half = 0.5_wp*(store%state%volume(p)/width)**(1.0_wp/real(count(grid%active), wp))
       end if
    end function half_size

@@ -31,7 +31,10 @@ contains
 
       averages = cold
       if (averages) averages = names_average(deck)
-      if (stored .and. .not. averages) averages = .not. is_damped(deck)
+      if (stored .and. .not. averages) then
+         averages = .not. is_axisymmetric(deck)
+         if (averages) averages = .not. is_damped(deck)
+      end if
       if (averages) averages = may_average(deck)
       if (averages) call set_average_defaults(deck)
       call set_dependent_defaults(deck, averages)
@@ -48,7 +51,8 @@ contains
    !! stress of the nodes (control) removes the noise that usavg does not damp. Other updates damp
    !! this noise, and with it the energy of collisions and vibrations, which nothing records.
    !! Material that flows or breaks dissipates energy itself, and gets the mean stress only with
-   !! usavg. doc/theory/methods_compared.md
+   !! usavg; so does axisymmetry, where particles in the middle of their rings give the axis an
+   !! eighth too much mass, and the noise is not damped. doc/theory/methods_compared.md
    subroutine set_average_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
       type(group_t) :: group

@@ -279,7 +279,7 @@ contains
    end subroutine basis_scatter_product
 
    !> Add the force of the hoop stress in axisymmetry, - sum v sigma_yy S / r, to column 5. Equation
-   !! (M.26) of doc/theory/method.md; with factors where sums are normalised.
+   !! (M.25) of doc/theory/method.md; with factors where sums are normalised.
    pure subroutine basis_scatter_hoop(self, grid, shape, first, position, volume, stress, patch)
       class(basis_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -343,7 +343,7 @@ contains
    end subroutine basis_gather_vector
 
    !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient. Equation
-   !! (M.26).
+   !! (M.25).
    pure subroutine basis_gather_hoop(self, grid, shape, first, position, nodes, scale, gradient)
       class(basis_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -15,7 +15,6 @@ module transfer_contact
    use base_elementary, only: take_fast_powers
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit
-   use mesh_ring, only: ring_middle
    implicit none
    private
 
@@ -132,7 +131,7 @@ contains
       do p = 1, count
          q = first + p - 1
          half(p) = volume(q)/grid%depth
-         if (grid%axisymmetric) half(p) = half(p)/ring_middle(position(q, 1), volume(q))
+         if (grid%axisymmetric) half(p) = half(p)/position(q, 1)
          if (grid%dimensions == 2) half(p) = sqrt(half(p))
       end do
       if (grid%dimensions == 3) call take_fast_powers(count, 1.0_wp/3.0_wp, half)

@@ -266,7 +266,7 @@ contains
    end subroutine add_vectors
 
    !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient. Equation
-   !! (M.26) of doc/theory/method.md.
+   !! (M.25) of doc/theory/method.md.
    pure subroutine gather_hoop(grid, start, first, local, position, nodes, scale, gradient)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell

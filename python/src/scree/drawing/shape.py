@@ -18,22 +18,6 @@ if TYPE_CHECKING:
 MOST_STRETCH = 16.0      # square of the longest edge over the area; longer particles are drawn as squares
 
 
-def ring_middle(radius: Array, volume: Array) -> Array:
-    """Radius of the middle of square rings [m] from those of their centroids [m] and their volumes [m3].
-
-    The centroid of a ring of width w and middle radius m is at m + w**2/(12 m); particles that are not such rings keep
-    their radius.
-    """
-    radius = np.maximum(np.asarray(radius, dtype="f8"), 1.0e-300)
-    part = volume / (24.0 * math.pi)
-    middle = radius.copy()
-    with np.errstate(all="ignore"):
-        for _ in range(40):                            # Newton's method falls to the greatest root
-            middle -= (middle**3 - radius * middle**2 + part) / (3.0 * middle**2 - 2.0 * radius * middle)
-    result: Array = np.where(part <= 4.0 / 27.0 * radius**3, middle, radius)
-    return result
-
-
 def widths(dimension: str, volume: Array, radius: Array, thickness: Callable[[int], float]) -> Array:
     """Width of particles in the plane of the model [m] from their volumes [m3].
 
@@ -42,7 +26,7 @@ def widths(dimension: str, volume: Array, radius: Array, thickness: Callable[[in
     volume = np.maximum(np.where(np.isfinite(volume), volume, 0.0).astype("f8"), 0.0)
     size: Array
     if dimension == "axisymmetric":
-        size = np.sqrt(volume / (2.0 * math.pi * ring_middle(radius, volume)))
+        size = np.sqrt(volume / (2.0 * math.pi * np.maximum(radius, 1.0e-300)))
     elif dimension == "plane_strain":
         size = np.sqrt(volume / thickness(1))
     elif dimension == "1d":
