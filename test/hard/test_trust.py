@@ -193,15 +193,10 @@ def test_rotation(options, sheet):
         rows += [("space", {"dimension": "3d"}), ("oblique", {"dimension": "3d", "motion": "spin=1,-0.5,0.7"}),
                  ("falling", {"effects": "gravity=.true.  gravity_vector=0,0,-0.1"})]
     for name, how in rows:
-        # usavg averages the rotation over tiles, and the flying block crosses an edge of a tile; bad is beyond 0.05
-        flies = name == "flying"
-        for transfer, more, verdict in (("rflip", "", "check" if flies else "ok"),
-                                        ("rflip", "stress_update='usl'", "ok"), ("pic", "", "bad")):
+        for transfer, more, verdict in (("rflip", "", "ok"), ("rflip", "stress_update='usl'", "ok"),
+                                        ("pic", "", "bad")):
             run = turn(options, f"{name}_{transfer}_{len(more)}", f"transfer='{transfer}' {more}", **how)
             rated = run.summary["trust"]["angular"]
-            if verdict == "check":
-                sheet.known(f"{name}: part of the angular momentum that is lost", rated["value"], limit=0.05,
-                            target=0.01)
             sheet.require(rated["verdict"] == verdict, f"{name}, {transfer} {more}: {verdict}: {rated}")
             if transfer == "pic":
                 # the filter has removed more than 99 % by then (test/verify/matrix/test_blocks.py)

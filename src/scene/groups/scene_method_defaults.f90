@@ -31,10 +31,7 @@ contains
 
       averages = cold
       if (averages) averages = names_average(deck)
-      if (stored .and. .not. averages) then
-         averages = .not. is_axisymmetric(deck)
-         if (averages) averages = .not. is_damped(deck)
-      end if
+      if (stored .and. .not. averages) averages = .not. is_axisymmetric(deck)
       if (averages) averages = may_average(deck)
       if (averages) call set_average_defaults(deck)
       call set_dependent_defaults(deck, averages)
@@ -74,17 +71,6 @@ contains
       call group%get("stress_update", word)
       names = group%given("stress_update") .and. word == stress_names(stress_average)
    end function names_average
-
-   !> Does damping lead to a state at rest? It is found sooner where the strain dissipates too.
-   logical function is_damped(deck) result(damped)
-      type(deck_t), intent(in) :: deck
-      real(wp) :: rate
-      type(group_t) :: group
-
-      group = deck%group("effects", 1)
-      call group%get("damping", rate)
-      damped = rate > 0.0_wp
-   end function is_damped
 
    !> Do the keys of the deck allow the strain of two velocities with a mean stress of the nodes?
    logical function may_average(deck) result(may)
