@@ -46,7 +46,8 @@ COARSE = 2.5 * TARGET                  # five cells
 FAR = 2.0 * np.pi * 0.5 * TARGET * np.sqrt(0.5) / 2.0
 CELLS = (4, 6, 7, 10)                  # on the radius
 TURNS = 20
-LONG = {"ddmp": "", "rflip 1": "stress_update='usl' transfer='rflip' flip=1", "apic": "transfer='apic'", "aflip": "transfer='aflip'"}
+LONG = {"ddmp": "", "rflip 1": "stress_update='usl' transfer='rflip' flip=1",
+        "apic": "transfer='apic'", "aflip": "transfer='aflip'"}
 TAKE = {"flip 1": "stress_update='usl' transfer='flip' flip=1", "flip": "stress_update='usl' transfer='flip'"}
 SHRINKS = ("ddmp", "aflip")
 
