@@ -30,16 +30,18 @@ contains
       logical :: averages
 
       averages = cold
-      if (averages) averages = names_average(deck)
+      if (averages) averages = has_average(deck)
       if (stored .and. .not. averages) averages = .not. is_axisymmetric(deck)
       if (averages) averages = may_average(deck)
       if (averages) call set_average_defaults(deck)
       call set_dependent_defaults(deck, averages)
       call set_cell_defaults(deck)
       if (stored .and. .not. averages) call set_contact_default(deck)
-      if (stored) call set_elastic_defaults(deck)
-      call set_axial_default(deck)
-      call set_turn_default(deck)
+      if (has_average(deck)) then
+         if (stored) call set_elastic_defaults(deck)
+         call set_axial_default(deck)
+         call set_turn_default(deck)
+      end if
       call check_normalise(deck)
       if (some_gas) call set_split_default(deck, gases)
    end subroutine set_method_defaults
@@ -61,16 +63,16 @@ contains
          call deck%set_default("method", 1, "quadrature", "control")
    end subroutine set_average_defaults
 
-   !> Does the deck name the strain of two velocities?
-   logical function names_average(deck) result(names)
+   !> Is the strain that of two velocities, by the deck or by a default that is set?
+   logical function has_average(deck) result(has)
       type(deck_t), intent(in) :: deck
       character(len=:), allocatable :: word
       type(group_t) :: group
 
       group = deck%group("method", 1)
       call group%get("stress_update", word)
-      names = group%given("stress_update") .and. word == stress_names(stress_average)
-   end function names_average
+      has = word == stress_names(stress_average)
+   end function has_average
 
    !> Do the keys of the deck allow the strain of two velocities with a mean stress of the nodes?
    logical function may_average(deck) result(may)
@@ -195,12 +197,9 @@ contains
    !! no filter of the velocities.
    subroutine set_elastic_defaults(deck)
       type(deck_t), intent(inout) :: deck
-      character(len=:), allocatable :: update
       type(group_t) :: group
 
       group = deck%group("method", 1)
-      call group%get("stress_update", update)
-      if (update /= stress_names(stress_average)) return
       if (.not. group%given("flip")) call deck%set_default("method", 1, "flip", 1.0_wp)
    end subroutine set_elastic_defaults
 
@@ -209,12 +208,10 @@ contains
    !! its mean over a tile creates energy in bodies of few cells.
    subroutine set_axial_default(deck)
       type(deck_t), intent(inout) :: deck
-      character(len=:), allocatable :: update
       type(group_t) :: group
 
       group = deck%group("method", 1)
-      call group%get("stress_update", update)
-      if (update /= stress_names(stress_average) .or. group%given("transfer")) return
+      if (group%given("transfer")) return
       if (is_axisymmetric(deck)) call deck%set_default("method", 1, "transfer", "flip")
    end subroutine set_axial_default
 
@@ -224,15 +221,13 @@ contains
    !! part that could replace it, so transfers with such fields are refused.
    subroutine set_turn_default(deck)
       type(deck_t), intent(inout) :: deck
-      character(len=:), allocatable :: word, update, turn
+      character(len=:), allocatable :: word, turn
       class(velocity_t), allocatable :: transfer
       type(group_t) :: group
 
       group = deck%group("method", 1)
       call group%get("transfer", word)
       call find_transfer(group, transfer)
-      call group%get("stress_update", update)
-      if (update /= stress_names(stress_average)) return
       if (.not. transfer%affine()) return
       if (.not. transfer%turning()) call deck%add_error(group, "stress_update = "// &
          "'usavg' generates energy without bound with transfer = '"//word//"'; write "// &
