@@ -95,9 +95,10 @@ def test_measured_row(options):
     assert call("validate", "--write", page).returncode == 0, "the page alone, without runs"
     text = page.read_text(encoding="utf-8")
     assert text.startswith(PAGE.partition("old")[0]) and text.endswith(PAGE.partition("old\n")[2]) and "old" not in text
-    rows = [line for line in text.splitlines() if line.startswith("| `")]
+    subject = (options.work / "page_metals.md").read_text(encoding="utf-8")
+    rows = [line for line in subject.splitlines() if line.startswith("| `")]
     assert [row.split("`")[1] for row in rows] == ["shock_cu_2857", "shock_al_2200"], "a line each, ordered"
-    assert "2 measured quantities: 2 within" in text and f"| {prediction:.4g} |" in rows[0]
+    assert "2 measured quantities: 2 within" in text and "page_metals.md#shocks-in-metals" in text and f"| {prediction:.4g} |" in rows[0]
     assert (options.work / "figures/page.png").stat().st_size > 10000
 
 
@@ -119,5 +120,8 @@ def test_page():
     for row in rows:
         shot = known[row["family"]].shots[row["name"]]
         assert float(row["measured"]) == shot.measured[row["quantity"]], row
-    assert validation.page_rows(known, rows).join(validation.parts_of(validate.PAGE)) == \
-        validate.PAGE.read_text(encoding="utf-8")
+    page, stem = validate.PAGE, validate.PAGE.stem
+    pages = {page.name: validation.page_rows(known, rows, stem).join(validation.parts_of(page)),
+             **validation.subject_pages(known, rows, stem)}
+    there = {path.name: path.read_text(encoding="utf-8") for path in page.parent.glob(f"{stem}*.md")}
+    assert there == pages

@@ -11,6 +11,7 @@ evidence. The time to rest has converged, but does not depend on the speed as th
 """
 import numpy as np
 
+SUBJECT = "grains"
 QUANTITIES = {"depth": ("depth", "mm"), "time": ("time to rest", "ms")}
 CELLS = 24                             # across the ball
 COARSER = 1.5

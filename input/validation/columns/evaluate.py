@@ -11,6 +11,7 @@ The page on [flows of grains](verification_granular.md) has an angle that was fi
 """
 import numpy as np
 
+SUBJECT = "grains"
 QUANTITIES = {"runout": ("run-out", "1"), "height": ("height in the middle", "1")}
 CELLS = 40                             # on half of the column
 COARSER = 1.5

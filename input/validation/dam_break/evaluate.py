@@ -13,6 +13,7 @@ of the floor explains at least a part; gimp, apic, bbar and twice the speed of s
 """
 import numpy as np
 
+SUBJECT = "fluids"
 QUANTITIES = {"front": ("front in widths of the column", "1")}
 CELLS = 32                             # across the column
 COARSER = 1.5

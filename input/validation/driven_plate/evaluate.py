@@ -7,6 +7,7 @@ of plates and cylinders gave. Its formula assumes products of uniform density an
 Choice of the constants: the products of the preset `comp_b` (LLNL Explosives Handbook, 1985) were fitted to expanding
 cylinders, not to plates.
 """
+SUBJECT = "impacts"
 QUANTITIES = {"speed": ("speed of the plate", "m/s")}
 CELLS = 100                            # in the explosive
 

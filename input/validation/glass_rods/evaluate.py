@@ -8,6 +8,7 @@ Choice of the constants: JH-2 of T. J. Holmquist and others (1995), from plate i
 """
 import numpy as np
 
+SUBJECT = "brittle"
 QUANTITIES = {"front": ("speed of the front in the glass", "m/s")}
 CELLS = 12                             # on the radius
 

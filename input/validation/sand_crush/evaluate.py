@@ -9,6 +9,7 @@ was read, and the strain is taken as logarithmic.
 """
 import numpy as np
 
+SUBJECT = "grains"
 QUANTITIES = {"axial": ("axial stress", "MPa"), "mean": ("mean stress", "MPa"),
               "shear": ("greatest shear stress", "MPa")}
 CELLS = 40                             # along the sample

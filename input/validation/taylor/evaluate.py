@@ -9,6 +9,7 @@ which its yield stress depends. Relative to the shortening, a deviation of the l
 """
 import numpy as np
 
+SUBJECT = "metals"
 QUANTITIES = {"ratio": ("final over initial length", "1"), "foot": ("diameter of the foot", "mm"),
               "waist": ("diameter of the waist", "mm")}
 CELLS = 12                             # on the radius

@@ -9,8 +9,8 @@ A family is a folder of input/validation with three files:
                &define, or a key such as material.preset
   evaluate.py  its docstring is the text of the page. QUANTITIES: words and unit of each quantity by name; CELLS: value
                of `cells` of &define, unless it is an input; COARSER: how many times fewer cells the second grid has (2
-               by default); measure(run, shot): the quantities of a run, in their units; `shot` has the inputs as texts
-               with units
+               by default); SUBJECT: the page, one of SUBJECTS; measure(run, shot): the quantities of a run, in their
+               units; `shot` has the inputs as texts with units
 """
 from __future__ import annotations
 
@@ -38,6 +38,8 @@ TARGET = 5.0                                             # accepted deviation [%
 TEXTS = ("name", "what", "source", "note")               # columns of data.csv that are neither inputs nor quantities
 ERROR = "error"                                          # column: error of all quantities of a shot [%]
 MARKS = ("<!-- rows -->", "<!-- end of rows -->")
+SUBJECTS = {"metals": "metals", "impacts": "impacts and explosives", "grains": "grains",
+            "brittle": "rock, concrete and glass", "fluids": "fluids and gas", "others": "other experiments"}
 COLUMNS = ("family", "name", "quantity", "unit", "prediction", "cells_error", "measured", "error", "deviation",
            "verdict", "seconds")
 
@@ -68,6 +70,7 @@ class Family:
     coarser: float
     measure: Callable[[Run, Mapping[str, str]], Mapping[str, float]]
     units: dict[str, str]                                # of the inputs in data.csv
+    subject: str                                         # a name of SUBJECTS
     shots: dict[str, Shot] = field(default_factory=dict)
 
     def defined(self) -> list[str]:
@@ -146,9 +149,12 @@ def read_family(folder: Path) -> Family:
         found: dict[str, Any] = {"__name__": folder.name}    # not imported: an import would write into the folder
         exec(compile(script.read_text(encoding="utf-8"), str(script), "exec"), found)
         quantities, cells, measure = found["QUANTITIES"], found["CELLS"], found["measure"]
+    subject = found.get("SUBJECT", "others")
+    if subject not in SUBJECTS:
+        raise unknown("SUBJECT", subject, SUBJECTS, str(script))
     title, _, text = (found.get("__doc__") or folder.name).partition("\n")
     family = Family(folder.name, folder, title.strip().rstrip("."), text.strip(), quantities, cells,
-                    found.get("COARSER", 2.0), measure, {})
+                    found.get("COARSER", 2.0), measure, {}, subject)
     data = folder / "data.csv"
     with reading(data), open(data, newline="", encoding="utf-8") as file:
         table = csv.reader(line for line in file if not line.startswith("#"))
@@ -272,17 +278,42 @@ def write_results(path: Path, rows: Iterable[Mapping[str, str]]) -> None:
         writer.writerows(rows)
 
 
-def page_rows(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) -> str:
-    """The generated part of the page: summary, and text and table of each family."""
-    verdicts = [row["verdict"] for row in rows]
+def page_rows(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]], stem: str) -> str:
+    """The generated part of the page: summary, and families with links to the pages of their subjects."""
     total = sum(float(row["seconds"]) for row in rows)
-    lines = ["", f"{len(rows)} measured quantities: {verdicts.count('within')} within, {verdicts.count('outside')} "
-             f"outside, {verdicts.count('not comparable')} not comparable. All rows take {total / 60.0:.0f} minutes of "
-             "processor time.", ""]
-    for family in known.values():
-        own = [row for row in rows if row["family"] == family.name]
-        if not own:
-            continue
+    lines = ["", f"{len(rows)} measured quantities: {counted(rows, ' within, {} outside, {} not comparable')}. All "
+             f"rows take {total / 60.0:.0f} minutes of processor time.", "",
+             "| experiments | rows | within | outside | not comparable | s |", "|---|---|---|---|---|---|"]
+    for family, own in by_subject(known, rows):
+        anchor = re.sub(r"[^\w -]", "", family.title.lower()).replace(" ", "-")
+        seconds = sum(float(row["seconds"]) for row in own)
+        lines.append(f"| [{family.title}]({stem}_{family.subject}.md#{anchor}) (`{family.name}`) | "
+                     f"{len({row['name'] for row in own})} | {counted(own, ' | {} | {}')} | {seconds:.2g} |")
+    return "\n".join([*lines, "", ""])
+
+
+def counted(rows: Sequence[Mapping[str, str]], words: str) -> str:
+    """Numbers of rows by verdict: that of `within`, then `words` with the other two."""
+    verdicts = [row["verdict"] for row in rows]
+    return str(verdicts.count("within")) + words.format(verdicts.count("outside"), verdicts.count("not comparable"))
+
+
+def by_subject(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]
+               ) -> list[tuple[Family, list[Mapping[str, str]]]]:
+    """Families that have rows, with these, in the order of the subjects."""
+    found = [(family, [row for row in rows if row["family"] == family.name]) for family in known.values()]
+    return sorted(((family, own) for family, own in found if own),
+                  key=lambda pair: list(SUBJECTS).index(pair[0].subject))
+
+
+def subject_pages(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]], stem: str) -> dict[str, str]:
+    """Texts of the pages of the subjects by file name: text, table and notes of each family."""
+    pages: dict[str, list[str]] = {}
+    for family, own in by_subject(known, rows):
+        words = SUBJECTS[family.subject]
+        lines = pages.setdefault(f"{stem}_{family.subject}.md", [
+            f"# Validation: {words}", "", f"This page compares predictions of Scree with measurements of {words}. "
+            f"[Validation]({stem}.md) explains the columns;", "`scree-post validate` writes this page.", ""])
         lines += [f"## {family.title}", "", *family.text.splitlines(), "",
                   "| row | shot | quantity | prediction | cells | measured | error | deviation | verdict | s |",
                   "|---|---|---|---|---|---|---|---|---|---|"]
@@ -297,11 +328,10 @@ def page_rows(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) ->
             lines.append(f"| {words_of} | {look.with_unit(words, unit)} | {row['prediction']} | "
                          f"{float(row['cells_error']):+.2g} | {row['measured']} | {error} | {row['deviation']} % | "
                          f"{row['verdict']} | {row['seconds'] if first else ''} |")
-        lines.append("")
         notes = [f"* `{name}`: {family.shots[name].note}" for name in dict.fromkeys(row["name"] for row in own)
                  if family.shots[name].note]
-        lines += [*notes, ""] if notes else []
-    return "\n".join(lines)
+        lines += ["", *notes, ""] if notes else [""]
+    return {name: "\n".join(lines).rstrip() + "\n" for name, lines in pages.items()}
 
 
 def parts_of(path: Path) -> tuple[str, str]:

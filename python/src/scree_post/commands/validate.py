@@ -86,15 +86,16 @@ def show(results: list[validation.Result], known: dict[str, validation.Family]) 
 
 
 def write(path: Path, results: list[validation.Result], known: dict[str, validation.Family]) -> None:
-    """Renew results.csv, the page and its figure."""
+    """Renew results.csv, the page, those of its subjects and the figure."""
     table = (validation.place() if path == PAGE else path.parent) / "results.csv"
     rows = validation.renewed(validation.read_results(table), results, known)
-    text = validation.page_rows(known, rows).join(validation.parts_of(path))
+    text = validation.page_rows(known, rows, path.stem).join(validation.parts_of(path))
     figure = path.parent / "figures" / f"{path.stem}.png"
     try:
         figure.parent.mkdir(exist_ok=True)
         validation.write_results(table, rows)
-        path.write_text(text, encoding="utf-8")
+        for name, page in {path.name: text, **validation.subject_pages(known, rows, path.stem)}.items():
+            (path.parent / name).write_text(page, encoding="utf-8")
     except OSError as error:
         raise FileProblem(f"cannot write {error.filename}: {error.strerror}") from error
     look.save(validation.picture(known, rows), str(figure), 100)
