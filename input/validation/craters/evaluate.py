@@ -5,10 +5,12 @@ An aluminium sphere strikes a thick block of aluminium; flash X-rays showed how 
 radius in the plane of the former surface. Data: D. Prater (1970), table 4 of E. Pierazzo and others, Meteoritics &
 Planetary Science 43 (2008) 1917, with an error of 0.5 to 1 mm, for which the table takes 1 mm; at rest its error is
 the scatter of the shots. There seven codes found radii 5 to 13 % too small and depths 4 to 12 % too large in
-6061-T6, and a constant yield stress a depth 20 % too large. Choice of the constants: presets, whose strengths were
-fitted to tension and torsion tests; 1100-O with the Johnson-Cook constants of that paper. Without failure, as of
-Taylor's bars; with it loose fragments fill the crater in 6061-T6 again (depth 11 to 16 mm), and its radius is the
-same. Blocks of the experiment were a few craters wide, that of the run does not reflect waves.
+6061-T6, and a constant yield stress a depth 20 % too large. Two rows are the law of B. G. Cour-Palais (1987), a fit
+through many shots whose scatter was not read; it gives 12.8 mm for Prater's spheres. Choice of the constants:
+presets, whose strengths were fitted to tension and torsion tests; 1100-O with the Johnson-Cook constants of that
+paper. Without failure, as of Taylor's bars; with it loose fragments fill the crater in 6061-T6 again (depth 11 to
+16 mm), and its radius is the same. Blocks of the experiment were a few craters wide, that of the run does not
+reflect waves.
 """
 import numpy as np
 
