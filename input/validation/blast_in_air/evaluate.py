@@ -8,9 +8,9 @@ of the constants: products of the preset `tnt` (LLNL Explosives Handbook, 1985) 
 gas of an exponent of 1.4, a rigid ground. Nothing was fitted to blasts. The front is 10 % too early and 10 % too fast
 at all distances. The energy is conserved to rounding, and fronts of known energy are where they should be
 ([Trinity](#the-blast-wave-of-the-trinity-test)), so conditions deviate: air at the first distance is not ideal (an
-exponent of 1.25 gives 2238 m/s instead of 2387), the ground of the tests takes up energy, and the charges were stacks
-of blocks. The greatest overpressure of the runs is within 6 % of the law, but decreases by 5 to 9 % with cells 1.5
-times larger, because the front is a few cells wide; so it is no row.
+exponent of 1.25 gives 2238 m/s instead of 2387), and the ground of the tests takes up energy. The greatest
+overpressure of the runs is within 6 % of the law, but decreases by 5 to 9 % with cells 1.5 times larger, because the
+front is a few cells wide; so it is no row.
 """
 import numpy as np
 

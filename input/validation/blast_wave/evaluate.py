@@ -3,13 +3,13 @@
 
 Radius of the ball of fire against time, from photographs of the nuclear explosion of 16 July 1945: G. I. Taylor,
 Proc. R. Soc. A 201 (1950) 175, table 1, as tabulated in taylor-fireball.py of github.com/floquet/jop. The run
-releases 25 kt (1.046e14 J, stated to 8 %, which is 1.6 % of the radius; Wikipedia, after later analyses of fission
-products) in a sphere of air of 0.15 of the radius, 30.48 m above a rigid ground (the tower of 100 feet). Density and
-pressure of the air: 1.01 kg/m3 from the 852 mbar and 20 C that were measured there. Nothing was fitted to the radii.
-Air is an ideal gas of an exponent of 1.4, but at these temperatures it dissociates and is ionised, which lowers the
-exponent; Taylor found his energy from the same radii and with 1.4, so that his value cannot be used here. With an
-exponent of 1.2 the radius at 1.93 ms would be 48.6 m and that at 62 ms 210 m: this change of the gas explains the
-early rows. Later the ball of fire has radiated a part of its energy.
+releases 25 kt (1.046e14 J, stated to 8 %, which is 1.6 % of the radius; Wikipedia, Trinity (nuclear test)) in a
+sphere of air of 0.15 of the radius, 30.48 m above a rigid ground (the tower of 100 feet). Density and pressure of the
+air: 1.01 kg/m3 from the 852 mbar and 20 C that were measured there at the time of the test. Nothing was fitted to the
+radii. Air is an ideal gas of an exponent of 1.4, but at these temperatures it dissociates and is ionised, which
+lowers the exponent; Taylor found his energy from the same radii and with 1.4, so that his value cannot be used here.
+With an exponent of 1.2 the radius at 1.93 ms would be 48.6 m and that at 62 ms 210 m: this change of the gas explains
+the early rows. Later the ball of fire has radiated a part of its energy.
 """
 import numpy as np
 
