@@ -345,21 +345,26 @@ def parts_of(path: Path) -> tuple[str, str]:
 
 
 def picture(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) -> Figure:
-    """Prediction over measurement of all quantities, with the error of the measurement."""
+    """Prediction over measurement of all quantities, a line for each family, with the error of the measurement."""
     plot = look.pyplot()
-    there = [family for family in known.values() if any(row["family"] == family.name for row in rows)]
+    there = sorted((family for family in known.values() if any(row["family"] == family.name for row in rows)),
+                   key=lambda family: (family.subject, family.title))
     figure: Figure
-    figure, axes = plot.subplots(figsize=(9.0, 1.2 + 0.17 * len(rows)), layout="constrained")
+    figure, axes = plot.subplots(figsize=(9.0, 1.2 + 0.4 * len(there)), layout="constrained")
     axes.axvspan(1.0 - 0.01 * TARGET, 1.0 + 0.01 * TARGET, color="#e8e8e8", zorder=0)
-    for number, row in enumerate(rows):
-        ratio = float(row["prediction"]) / float(row["measured"])
-        colour = look.COLOURS[[family.name for family in there].index(row["family"]) % len(look.COLOURS)]
-        blocked = row["verdict"] == "not comparable"
-        axes.errorbar([ratio], [number], xerr=0.01 * float(row["error"] or 0.0) * ratio, fmt="o", ms=5, color=colour,
-                      mfc="white" if blocked else colour, lw=1.2, capsize=2)
-    names = [f"{row['name']}, {known[row['family']].quantities[row['quantity']][0]}" for row in rows]
-    axes.set_yticks(range(len(rows)), names, fontsize=7)
-    axes.set(ylim=(len(rows) - 0.5, -0.5), xlabel="prediction over measurement")
+    for number, family in enumerate(there):
+        own = [row for row in rows if row["family"] == family.name]
+        colour = look.COLOURS[number % len(look.COLOURS)]
+        for place, row in enumerate(own):
+            ratio = float(row["prediction"]) / float(row["measured"])
+            blocked = row["verdict"] == "not comparable"
+            axes.errorbar([ratio], [number + 0.7 * ((place + 0.5) / len(own) - 0.5)],
+                          xerr=0.01 * float(row["error"] or 0.0) * ratio, fmt="o", ms=4, color=colour,
+                          mfc="white" if blocked else colour, lw=0.8, capsize=1.5)
+    axes.set_yticks(range(len(there)), [family.title for family in there], fontsize=9)
+    axes.set(ylim=(len(there) - 0.5, -0.5), xlabel="prediction over measurement")
     axes.axvline(1.0, color="black", lw=0.8)
     axes.grid(axis="x", color="#dddddd", lw=0.6)
+    for number in range(1, len(there)):
+        axes.axhline(number - 0.5, color="#eeeeee", lw=0.6, zorder=0)
     return figure
