@@ -101,6 +101,14 @@ class TestDocumentGate:
         self.none([f"{place(path, 1)} is linked from nowhere" for path in DOCUMENTS
                    if path.parts[len(ROOT.parts)] in ("doc", "input") and path.resolve() not in linked])
 
+    def test_letters_with_other_meanings(self):
+        """Would catch a page whose letters differ from those that the page of symbols names, and the reverse."""
+        pages = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "doc/theory").glob("*.md")}
+        rows = dict(re.findall(r"^\| \[.*?\]\((\w+\.md)\) \| (.*) \|$", pages["symbols.md"], re.M))
+        here = {name: found[1] for name, text in pages.items()
+                if (found := re.search(r"^\*Here\* (.*?) \(\[Symbols\]\(symbols\.md\)\)\.$", text, re.M))}
+        assert len(here) > 10 and rows == here
+
     def test_shapes_are_listed(self, options):
         """Would catch a shape that a deck accepts and `--list` does not show."""
         said = scree(options, "--explain", "region.shape")[1]

@@ -20,7 +20,7 @@ that the piston sweeps in a step or half of one. The same bits for any ranks and
 piston moves. In axisymmetry material converges beside the wall, so particles are lost to cut cells without particles: 1
 % of the volume there. Explosion: radius of the shock by J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007), gamma = 1.4,
 which is 0.75 at time 1 for the cylinder and 1 for the sphere. A shock may be spread over six cells (H-10 in
-test/hard/README.md); the position at which the density of such a peak has half its greatest value is outside of it by
+hard_cases.md); the position at which the density of such a peak has half its greatest value is outside of it by
 at most a quarter of that width, 1.5 cells. Particles that have become long are split, so no cell is empty and their
 volumes sum up to the box: 1e-3, the error of second order of strains of 0.3 in a step. Energy in all scenes: rounding,
 1e-12.

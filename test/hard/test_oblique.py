@@ -10,7 +10,7 @@ there (J. M. Walsh, R. G. Shreffler, F. J. Willig, J. Appl. Phys. 24 (1953) 349)
 inclined by a to the sheet, that point moves with V = u + w/tan a, with u = w = 4.95 km/s. In its frame the surfaces
 flow in with V and w/sin a, and a jet of their mean speed leaves halfway between them: 18 km/s (2.6 times the impact)
 for a = 45 degrees, 14 km/s (2.0 times) for 60, 14 to 10 degrees above the sheet. So no particle may be faster than 2.6
-times the impact (particles of the jet are checked separately, H-20 in test/hard/README.md), and the fastest must reach
+times the impact (particles of the jet are checked separately, H-20 in hard_cases.md), and the fastest must reach
 2.0, as far as a jet of less than a cell is resolved: three quarters of that, because its particles share their nodes
 with slower material. Its angle is a known miss of 14 degrees, held at 22.5: half of the angle of the surfaces of the
 fastest jet in the frame of the point of contact, which is only smaller in the frame at rest. The jet consists of

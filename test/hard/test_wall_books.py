@@ -12,7 +12,7 @@ shows with its sign. Target: 1 % of the work on a block without friction, on the
 to the cells; musl and usl must not create energy, and usf, which records with the velocities of the forces, no more
 than the target. Two cases on the region with friction miss it: gimp with usl, which loses energy, and plain mpm with
 usf, which creates energy: known misses, held at twice the target. The speed is that of theory within 1 % of g t, the
-target (H-26 in test/hard/README.md).
+target (H-26 in hard_cases.md).
 """
 # timeout: 300
 

@@ -21,7 +21,8 @@ import case
 from post_command import RUNS
 
 # Pages that a test of its own runs from top to bottom.
-TYPED = {"doc/learn/first_hour.md": "test_first_hour.py", "doc/guide/geometry.md": "test_geometry_page.py"}
+TYPED = {"doc/learn/first_hour.md": "test_first_hour.py", "doc/guide/geometry.md": "test_geometry_page.py",
+         "doc/guide/calibrate.md": "test_geometry_page.py"}
 # Beginnings of commands that another test runs, or that are not to be run.
 ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post": "test_post_documents.py",
              "paraview": "test_paraview.py", "pvbatch": "test_paraview.py",

@@ -138,8 +138,8 @@ contains
             if (fastest <= fast*speed) cycle
             call deck%warn("body", n, "may collide with other bodies at "//brief(fastest)// &
                " m/s, "//brief(fastest/speed)//" times its wave speed, and its material is "// &
-               "elastic at any stress; give it a strength_model, or elastic = "// &
-               "'neo_hookean' [D425]", "velocity")
+               "elastic at any stress; give it a yield stress or a damage_model, or "// &
+               "strength_model = 'neo_hookean' [D425]", "velocity")
          end associate
       end do
    end subroutine check_elastic

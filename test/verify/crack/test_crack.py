@@ -10,7 +10,7 @@ A bar is fixed at one end, and the other end is pulled slowly. With 100 J/m2, E 
 the load rises to 2.7 MPa at 36 um and, with the linear curve, vanishes at 74 um. The energy of the crack is the
 recorded plastic work, because nothing flows.
 
-Limits. Energy: target 10 % for all (H-22 in test/hard/README.md), 2 % where the band is as wide as the crack band
+Limits. Energy: target 10 % for all (H-22 in hard_cases.md), 2 % where the band is as wide as the crack band
 theory says, which holds for bases of points of one cell. Load against the curve, mean error over the strength: target 2
 %. With an internal energy the balance closes to rounding; without, it lacks the damping of the transfer: target 1 %.
 With ddmp, whose gradient strains particles beside the crack too, the load is a known miss, held at 10 %, and the energy

@@ -6,7 +6,7 @@ antilock that reduces the bending stiffness, pressure that jumps from cell to ce
 
 5 x 1 m, E = 1 MPa, 1000 kg/m3, plane strain, small deflection. The reference is in beams.py: finite elements without
 locking for the static deflection, the modes of a beam for the first oscillation. Targets with eight cells across: tip 2
-%, jumps of pressure from cell to cell and within a cell 5 % (H-11 in test/hard/README.md). With four cells an error of
+%, jumps of pressure from cell to cell and within a cell 5 % (H-11 in hard_cases.md). With four cells an error of
 second order is four times as large, a jump twice. Where there is no locking, at nu = 0.3 without antilock and with
 `mpm`, four cells must meet 2 % as well.
 

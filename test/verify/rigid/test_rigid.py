@@ -9,7 +9,7 @@ after t_off, a displacement that is not the integral of the table, an opening th
 
 Limits. Piston: those of test_piston.py, also for the pressure compared with that on a boundary; a wall between nodes
 acts at the node next to it, so up to half a cell of the displacement of 10 cells is lost, and the same fraction of the
-work. Slope: target 1e-3 of g (H-26 in test/hard/README.md); a block at rest starts without stress and may slip while it
+work. Slope: target 1e-3 of g (H-26 in hard_cases.md); a block at rest starts without stress and may slip while it
 bounces, for the time in which a wave crosses it, L/c = 0.2 m/42 m/s, relative to the time of the run. Bounce: see
 there.
 """

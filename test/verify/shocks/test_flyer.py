@@ -16,7 +16,7 @@ Limits. Stress, plateau and the state after the pulse: target 1 %. Arrival and l
 cells that a shock may be wide, of the 80 that it crosses. Tension: at least that of the formula. Pull-back and depth of
 the first break: two cells, because a node gives its tension to both of its cells; the peak of the tension changes by 2
 s0/h per cell, the break by a cell of s h/(2 s0). After the break the velocity of the surface must increase by at least
-half of the pull-back. R: 1 % (H-13 in test/hard/README.md).
+half of the pull-back. R: 1 % (H-13 in hard_cases.md).
 
 Tier long: the pull-back with 40, 60, 88 and 132 cells; order 0.8 for an error of first order.
 """

@@ -12,7 +12,7 @@ and velocity are means between the waves, velocity over the difference of their 
 has less than one particle per cell; there the fans are tested.
 
 Limits. Density: every wave may be spread over six cells, which is the greatest width of a shock (H-10 in
-test/hard/README.md), so the error is at most the sum of all jumps times six cells over four; fans count with their
+hard_cases.md), so the error is at most the sum of all jumps times six cells over four; fans count with their
 whole jump. Order of the error: that of the ratio of 0.6 per doubling of the cells that Athena++ requires of a Godunov
 method, 0.74. Pressure and velocity: target 1 %. Fans: density 1 %, velocity at their ends within three cells of the
 slope of the fan.

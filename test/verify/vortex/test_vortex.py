@@ -10,7 +10,7 @@ Sadeghirad, J. Guilkey, Eng. with Computers 31 (2015) 193). Error of displacemen
 displacement, 8, 11, 14 and 20 cells a unit, 3 x 3 particles a cell, t = 0.45. Linear functions do not converge, because
 particles cross cells, and cpgimp hardly, because boxes do not rotate.
 
-Limits: target 2.5 % with 20 cells (H-1 in test/hard/README.md: cells crossed), which only CPDI meets. The others are
+Limits: target 2.5 % with 20 cells (H-1 in hard_cases.md: cells crossed), which only CPDI meets. The others are
 known misses, held at two thirds of the error of the plain method, which must be worse than all methods that converge;
 otherwise the case shows nothing. All errors must decrease with the cell size: the order is above 0. That of cpgimp does
 not: a known miss, held at growth in proportion to the cells, that of the noise of particles that cross cells (on 10 and
