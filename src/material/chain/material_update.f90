@@ -12,6 +12,7 @@ module material_update
    use material_models, only: models_t
    use material_pore_volume, only: take_matrix_pressure, to_matrix_volume, to_matrix_volumes
    use material_record, only: add_strain
+   use material_softening, only: cracked
    use material_stages, only: stage_count, stage_deviator, stage_dilatation, stage_failed_law, &
       stage_failure, stage_pressure, stage_remove_stress, stage_restore_stress, stage_stress, &
       stage_temperature, stage_trial, stage_viscosity, stage_viscous_work, stage_voids
@@ -127,7 +128,8 @@ contains
       select case (stage)
       case (stage_restore_stress)
          if (allocated(self%failure%softening)) &
-            call self%failure%softening%restore_uncracked_stress(state, first, last)
+            call self%failure%softening%restore_uncracked_stress(state, deformation, &
+            first, last)
          if (allocated(self%failure%failed_law)) &
             call self%failure%failed_law%gather(state, deformation, first, last, subset)
       case (stage_dilatation)
@@ -143,6 +145,8 @@ contains
          if (allocated(self%failure%failed_law)) &
             call self%failure%failed_law%update(state, deformation, first, dt, subset)
       case (stage_deviator)
+         if (allocated(self%failure%softening)) &
+            call self%failure%softening%reduce_trial(state, deformation, first, last)
          if (allocated(self%law)) call update_deviator(self, state, deformation, first, last, dt)
       case (stage_failure)
          if (allocated(self%failure%failed_law)) &
@@ -422,10 +426,7 @@ contains
             if (self%failure%fracture%leaves_nothing .and. state%failed(k) /= 0) cycle
          end if
          limit = -huge(1.0_wp)
-         if (allocated(self%law)) then
-            energy(i) = self%law%stored_energy(state, k)
-            limit = self%law%least_pressure()
-         end if
+         if (allocated(self%law)) limit = self%law%least_pressure()
          if (allocated(self%eos)) then
             if (allocated(self%failure%spall)) limit = max(limit, -self%failure%spall%strength)
             if (allocated(state%failed)) limit = merge(0.0_wp, limit, state%failed(k) /= 0)
@@ -433,14 +434,19 @@ contains
             if (allocated(state%solid_fraction)) volume = volume*state%solid_fraction(k)
             if (allocated(state%plastic_dilation)) volume = volume &
                *exponential(-state%plastic_dilation(k))
-            energy(i) = energy(i) + self%eos%stored_energy(state%mass(k), volume, limit)
+            energy(i) = self%eos%stored_energy(state%mass(k), volume, limit)
          else if (self%bulk_in_rate_form()) then
             pressure = -sum(state%stress(k, 1:3))/3.0_wp
             if (allocated(state%viscous_pressure)) pressure = pressure - state%viscous_pressure(k)
-            energy(i) = energy(i) + state%volume(k)*pressure**2/(2.0_wp*self%bulk)
+            energy(i) = state%volume(k)*pressure**2/(2.0_wp*self%bulk)
          end if
-         if (allocated(self%failure%softening)) energy(i) = energy(i) &
-            + self%failure%softening%hidden_energy(state, k, .not. allocated(self%eos))
+         if (allocated(self%failure%softening)) then
+            if (cracked(state%damage(k))) then
+               energy(i) = self%failure%softening%stored_energy(state, k, energy(i))
+               cycle
+            end if
+         end if
+         if (allocated(self%law)) energy(i) = energy(i) + self%law%stored_energy(state, k)
       end do
    end subroutine chain_stored_energy
 end module material_update

@@ -15,8 +15,9 @@
 !! pressure.
 !!
 !! Particles carry the stress reduced by cracks. Division gives the stress without cracks before the
-!! trial stress of a step, so that no particle stores a second stress. Equations (F.8), (F.9) and
-!! (F.10) of doc/theory/failure.md.
+!! trial stress of a step, so that no particle stores a second stress. The law of strength sees the
+!! trial reduced by the cracks: its apex would otherwise bound the stress without cracks, and the
+!! cracks would never open further. Equations (F.8), (F.9) and (F.10) of doc/theory/failure.md.
 module material_softening
    use base_elementary, only: exponential
    use base_kinds, only: wp
@@ -30,7 +31,7 @@ module material_softening
    implicit none
    private
 
-   public :: declare_softening, crack_damage, softening_fault, softening_t
+   public :: crack_damage, cracked, declare_softening, softening_fault, softening_t
 
    !> Softening of the strength of a material.
    type :: softening_t
@@ -48,9 +49,9 @@ module material_softening
       procedure :: band_fault => softening_band_fault !! Error in the cell size
       !> Stress without cracks, before the trial
       procedure :: restore_uncracked_stress => softening_restore_stress
+      procedure :: reduce_trial => softening_reduce_trial !! Trial with the cracks before the step
       procedure :: open_cracks => softening_open_cracks !! Opens cracks and reduces the stress
-      !> Elastic energy not in the reduced stress
-      procedure :: hidden_energy => softening_hidden_energy
+      procedure :: stored_energy => softening_stored_energy !! Elastic energy with open cracks
    end type softening_t
 
 contains
@@ -168,31 +169,109 @@ contains
    end function crack_damage
 
    !> Stress that material with open cracks would have without them. The viscous pressure is not a
-   !! stress of the material and is not changed.
-   pure subroutine softening_restore_stress(self, state, first, last)
+   !! stress of the material and is not changed. The elastic energy and half of the work of the
+   !! stress before the step are kept.
+   pure subroutine softening_restore_stress(self, state, deformation, first, last)
       class(softening_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state        !! State of the store
-      integer, intent(in) :: first, last             !! Particles of the range
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
       real(wp) :: tensor(6), values(3), axes(3, 3), viscous
-      integer :: k
+      integer :: i, k
 
-      do k = first, last
-         if (.not. (state%damage(k) > 0.0_wp .and. state%damage(k) < 1.0_wp)) cycle
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         if (.not. cracked(state%damage(k))) cycle
          viscous = 0.0_wp
          if (allocated(state%viscous_pressure)) viscous = state%viscous_pressure(k)
-         tensor(:) = state%stress(k, :)
+         tensor(:) = state%stress(k, 1:6)
          tensor(1:3) = tensor(1:3) + viscous
          call principal(tensor, values, axes)
+         values = without_cracks(values, state%damage(k))
+         deformation%damage%work(i) = state%volume(k)*(elastic_energy(self, values, &
+            state%damage(k)) + 0.5_wp*work_density(tensor, deformation%gradient(i, :)))
          if (.not. values(1) > 0.0_wp) cycle
-         values = merge(values/(1.0_wp - state%damage(k)), values, values > 0.0_wp)
          tensor = compose(values, axes)
          tensor(1:3) = tensor(1:3) - viscous
          state%stress(k, :) = tensor
       end do
    end subroutine softening_restore_stress
 
-   !> Open cracks and reduce the tension of cracked particles. On entry deviator and pressure are
-   !! those without cracks, on return the effective ones. The energy of cracks is recorded as
+   !> Principal stress without cracks.
+   pure function without_cracks(values, damage) result(whole)
+      real(wp), intent(in) :: values(3)              !! Principal stress [Pa]
+      real(wp), intent(in) :: damage                 !! Below 1 [1]
+      real(wp) :: whole(3)
+
+      whole = merge(values/(1.0_wp - damage), values, values > 0.0_wp)
+   end function without_cracks
+
+   !> Work of a stress in a step, per volume [J/m3].
+   pure real(wp) function work_density(stress, gradient) result(work)
+      real(wp), intent(in) :: stress(6)              !! [Pa]
+      real(wp), intent(in) :: gradient(9)            !! Columns as in deformation_t [1]
+
+      work = sum(stress(1:3)*gradient([1, 5, 9])) + stress(4)*(gradient(2) + gradient(4)) &
+         + stress(5)*(gradient(6) + gradient(8)) + stress(6)*(gradient(3) + gradient(7))
+   end function work_density
+
+   !> Elastic energy per volume [J/m3] of a state, with the energy of the pressure p**2/2K.
+   pure real(wp) function elastic_energy(softening, values, damage) result(energy)
+      type(softening_t), intent(in) :: softening
+      real(wp), intent(in) :: values(3)              !! Principal stress without cracks [Pa]
+      real(wp), intent(in) :: damage                 !! [1]
+      real(wp) :: mean
+
+      mean = sum(values)/3.0_wp
+      energy = 0.5_wp*sum(merge((1.0_wp - damage)*values, values, values > 0.0_wp) &
+         *(0.5_wp*(values - mean)/softening%shear + mean/(3.0_wp*softening%bulk)))
+   end function elastic_energy
+
+   !> Has a particle cracks that can open further?
+   elemental logical function cracked(damage)
+      real(wp), intent(in) :: damage                 !! [1]
+
+      cracked = damage > 0.0_wp .and. damage < 1.0_wp
+   end function cracked
+
+   !> Reduce the trial deviator and pressure by the cracks that were open before the step.
+   pure subroutine softening_reduce_trial(self, state, deformation, first, last)
+      class(softening_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first, last                 !! Particles of the range
+      real(wp) :: tensor(6), values(3), axes(3, 3)
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         if (.not. cracked(state%damage(k))) cycle
+         tensor(:) = state%stress(k, 1:6)
+         call principal(tensor, values, axes)
+         values = values - deformation%pressure(i)
+         if (values(1) > 0.0_wp) call set_reduced(values, axes, state%damage(k), state%stress, k, &
+            deformation%pressure(i))
+      end do
+   end subroutine softening_reduce_trial
+
+   !> Deviator and pressure of a stress without cracks, reduced by them.
+   pure subroutine set_reduced(values, axes, damage, stress, particle, pressure)
+      real(wp), intent(in) :: values(3)                  !! Principal stress without cracks [Pa]
+      real(wp), intent(in) :: axes(3, 3)                 !! Its directions
+      real(wp), intent(in) :: damage                     !! [1]
+      real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
+      integer, intent(in) :: particle                    !! Index in the store
+      real(wp), intent(out) :: pressure                  !! [Pa]
+      real(wp) :: reduced(3), mean
+
+      reduced = merge((1.0_wp - damage)*values, values, values > 0.0_wp)
+      mean = sum(reduced)/3.0_wp
+      stress(particle, :) = compose(reduced - mean, axes)
+      pressure = -mean
+   end subroutine set_reduced
+
+   !> Open cracks and reduce the tension of cracked particles. On entry deviator and pressure have
+   !! the cracks before the step, on return those after it. The energy of cracks is recorded as
    !! plastic work.
    pure subroutine softening_open_cracks(self, state, deformation, first, last, spacing)
       class(softening_t), intent(in) :: self
@@ -202,7 +281,7 @@ contains
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       real(wp) :: greatest, factor
       integer :: i, k
-      logical :: near
+      logical :: before, near
 
       call bound_deviator(first, last, state%stress, deformation%damage%bound)
       factor = 1.0_wp
@@ -217,9 +296,11 @@ contains
          else
             near = greatest - deformation%pressure(i) >= self%strength*factor
          end if
-         if (.not. (near .or. state%damage(k) > 0.0_wp)) cycle
+         before = state%damage(k) > 0.0_wp
+         if (.not. (near .or. before)) cycle
          call crack(self, factor, spacing, state%volume(k), state%stress, k, &
             deformation%pressure(i), state%damage(k), deformation%plastic_work(i))
+         if (before .and. state%damage(k) < 1.0_wp) call close_books(self, state, deformation, i, k)
       end do
    end subroutine softening_open_cracks
 
@@ -239,9 +320,11 @@ contains
 
       tensor(:) = stress(particle, :)
       call principal(tensor, values, axes)
-      strain = 0.5_wp*values/softening%shear - pressure/(3.0_wp*softening%bulk)
       values = values - pressure
       if (.not. values(1) > 0.0_wp) return
+      values = without_cracks(values, damage)
+      mean = sum(values)/3.0_wp
+      strain = 0.5_wp*(values - mean)/softening%shear + mean/(3.0_wp*softening%bulk)
       grown = damage
       strength = softening%strength*factor
       if (softening%limit > 0.0_wp) strength = values(1)/max(strain(1), tiny(1.0_wp)) &
@@ -256,34 +339,46 @@ contains
          *0.5_wp*sum(max(values, 0.0_wp)*strain)
       damage = grown
       ! The law of failed material sets the stress of failed particles.
-      values = merge((1.0_wp - damage)*values, values, values > 0.0_wp)
-      mean = sum(values)/3.0_wp
-      stress(particle, :) = compose(values - mean, axes)
-      pressure = -mean
+      call set_reduced(values, axes, damage, stress, particle, pressure)
    end subroutine crack
 
-   !> Energy [J] of a particle with cracks that is not part of the energy of its reduced deviator
-   !! and, without equation of state, of its reduced pressure.
-   pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
-      class(softening_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                       !! Index in the store
-      logical, intent(in) :: of_pressure             !! No equation of state
-      real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, uncracked_mean, share
+   !> Plastic work of a particle with cracks: the work of the mean stress less what is stored. The
+   !! stress has no potential where some principal values are tension and others pressure, and the
+   !! law of strength knows nothing of cracks. Equation (F.9).
+   pure subroutine close_books(softening, state, deformation, i, particle)
+      type(softening_t), intent(in) :: softening
+      type(material_state_t), intent(in) :: state          !! State of the store; deviator
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: i                             !! Index in the range
+      integer, intent(in) :: particle                      !! Index in the store
+      real(wp) :: tensor(6), values(3), axes(3, 3)
 
-      energy = 0.0_wp
-      share = state%damage(particle)
-      if (.not. (share > 0.0_wp .and. share < 1.0_wp)) return
-      tensor(:) = state%stress(particle, :)
+      tensor(:) = state%stress(particle, 1:6)
+      tensor(1:3) = tensor(1:3) - deformation%pressure(i)
+      call principal(tensor, values, axes)
+      deformation%plastic_work(i) = deformation%damage%work(i) + state%volume(particle) &
+         *(0.5_wp*work_density(tensor, deformation%gradient(i, :)) - elastic_energy(softening, &
+         without_cracks(values, state%damage(particle)), state%damage(particle)))
+   end subroutine close_books
+
+   !> Elastic energy [J] of a particle with open cracks. In tension that of the pressure is p**2/2K,
+   !! as the energy of cracks supposes: the difference to the energy of an equation of state is a
+   !! small part of that without cracks, but not of the small rest that cracks leave.
+   pure real(wp) function softening_stored_energy(self, state, particle, of_volume) result(energy)
+      class(softening_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state    !! State of the store
+      integer, intent(in) :: particle                !! Index in the store
+      real(wp), intent(in) :: of_volume              !! Energy of the equation of state [J]
+      real(wp) :: tensor(6), values(3), axes(3, 3), mean
+
+      tensor(:) = state%stress(particle, 1:6)
       if (allocated(state%viscous_pressure)) tensor(1:3) = tensor(1:3) &
          + state%viscous_pressure(particle)
       call principal(tensor, values, axes)
-      whole = merge(values/(1.0_wp - share), values, values > 0.0_wp)
+      values = without_cracks(values, state%damage(particle))
       mean = sum(values)/3.0_wp
-      uncracked_mean = sum(whole)/3.0_wp
-      energy = 0.25_wp*(sum((whole - uncracked_mean)**2) - sum((values - mean)**2))/self%shear
-      if (of_pressure) energy = energy + 0.5_wp*(uncracked_mean**2 - mean**2)/self%bulk
-      energy = state%volume(particle)*(energy - 0.5_wp*share*sum(max(whole, 0.0_wp) &
-         *(0.5_wp*(whole - uncracked_mean)/self%shear + uncracked_mean/(3.0_wp*self%bulk))))
-   end function softening_hidden_energy
+      energy = state%volume(particle)*elastic_energy(self, values, state%damage(particle))
+      if (mean < 0.0_wp) energy = energy + of_volume &
+         - state%volume(particle)*mean**2/(2.0_wp*self%bulk)
+   end function softening_stored_energy
 end module material_softening

@@ -70,6 +70,7 @@ module material_state
    type :: damage_scratch_t
       real(wp), allocatable :: bound(:)              !! Bound of the principal deviators [Pa]
       real(wp), allocatable :: load(:)               !! Load over strength [1]
+      real(wp), allocatable :: work(:)               !! Work on particles with cracks [J]
    end type damage_scratch_t
 
    !> Scratch of the voids.
@@ -180,7 +181,7 @@ contains
             self%pressure_floor, self%plastic_increment, self%distension, self%gruneisen, &
             self%wave_speed, self%plastic_work, self%viscous_work, self%strength%homologous, &
             self%strength%old_damage, self%strength%strain_rate, self%strength%dilation, &
-            self%strength%tangent, self%strength%shear_ratio, self%damage%bound, self%damage%load, &
+            self%strength%tangent, self%strength%shear_ratio, self%damage%bound, self%damage%load, self%damage%work, &
             self%voids%alpha, self%voids%loose, self%voids%old_pressure, &
             self%voids%old_temperature, self%voids%total_volume)
       end if
@@ -192,7 +193,7 @@ contains
          self%gruneisen(n), self%wave_speed(n), self%plastic_work(n), self%viscous_work(n), &
          self%strength%homologous(n), self%strength%old_damage(n), self%strength%strain_rate(n), &
          self%strength%dilation(n), self%strength%tangent(n), self%strength%shear_ratio(n), &
-         self%damage%bound(n), self%damage%load(n), self%voids%alpha(n), self%voids%loose(n), &
+         self%damage%bound(n), self%damage%load(n), self%damage%work(n), self%voids%alpha(n), self%voids%loose(n), &
          self%voids%old_pressure(n), self%voids%old_temperature(n), self%voids%total_volume(n))
    end subroutine deformation_reserve
 end module material_state
