@@ -256,7 +256,7 @@ contains
          end if
          if (allocated(space%cell)) call carry_particles(space, scheme%method, scratch, store, &
             tile, view, dt)
-         if (measures_damping(method, scheme%carries_energy)) then
+         if (measures_damping(method, allocated(store%state%energy))) then
             if (view%at_once) then
                call view%increments%find_way(shape)
             else

@@ -44,7 +44,7 @@ contains
    !! loss be measured?
    pure logical function measures_damping(method, carries) result(measurable)
       type(method_t), intent(in) :: method           !! Method with its transfer
-      logical, intent(in) :: carries                 !! Does some material carry an internal energy?
+      logical, intent(in) :: carries                 !! Is there an internal energy?
 
       ! with musl the strain uses the damped velocity, so this energy is not lost
       measurable = .not. carries .and. (method%averages() .or. .not. method%remaps()) &
