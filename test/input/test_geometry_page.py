@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import case
 
@@ -20,12 +21,12 @@ BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
 
 def run_page(options, page):
     """Write and run the blocks of a page in their order; the folder, and the number of commands and output lines."""
-    folder = options.work / page
+    folder = options.work / Path(page).stem
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     environment = {**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(case.ROOT / "python/src")}
     typed, shown, said = 0, 0, ""
-    for kind, text in BLOCK.findall((case.ROOT / f"doc/guide/{page}.md").read_text(encoding="utf-8")):
+    for kind, text in BLOCK.findall((case.ROOT / f"doc/guide/{page}").read_text(encoding="utf-8")):
         if kind != "console":
             name = text.split("\n")[0].split()[1]
             assert name.split(".")[1] in ("nml", "py")
@@ -54,12 +55,12 @@ class TestPage:
     """The blocks of the pages in their order."""
 
     def test_calibration(self, options):
-        _, typed, shown = run_page(options, "calibrate")
+        _, typed, shown = run_page(options, "calibrate.md")
         assert typed >= 12
         assert shown >= 13
 
     def test_the_page(self, options):
-        folder, typed, _ = run_page(options, "geometry")
+        folder, typed, _ = run_page(options, "geometry.md")
         assert typed >= 10
         tools = case.post()
         first = tools.snapshot(str(folder / "out/slope/slope_p_000000.hdf"))

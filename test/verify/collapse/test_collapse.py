@@ -132,7 +132,8 @@ def test_all_columns(options, sheet, word, low):
     measured.record(f"{word} exponent", {"low": exponent(aspects, runs, low),
                                          "tall": exponent(aspects, runs, TALL[word])})
     judge(sheet, word, "exponent of low columns", exponent(aspects, runs, low), 1.0, 0.1, 0.2, word == "round")
-    steeper, label = exponent(aspects, runs, TALL[word]) - STEEP[word], f"exponent of tall columns, less {STEEP[word]:.3f}"
+    steeper = exponent(aspects, runs, TALL[word]) - STEEP[word]
+    label = f"exponent of tall columns, less {STEEP[word]:.3f}"
     if word == "plane":                # the tallest one comes to rest a third too early
         sheet.known(f"{word}: {label}", steeper, limit=0.14, target=0.07)
     else:

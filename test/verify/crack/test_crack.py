@@ -17,8 +17,8 @@ With ddmp, whose gradient strains particles beside the crack too, the load is a 
 with four particles per cell is held at twice the target.
 
 A bar oblique to the grid is torn by its two halves, which move apart. Crack bands prefer the axes of the grid, a known
-limitation of all crack band methods (J. G. Rots, thesis, Delft 1988): at 20 and 45 degrees the energy misses its target,
-and is held at twice that.
+limitation of all crack band methods (J. G. Rots, thesis, Delft 1988): at 20 and 45 degrees the energy misses its
+target, and is held at twice that.
 """
 # tiers: smoke, full
 # timeout: 180
@@ -138,9 +138,9 @@ def test_oblique(options, sheet):
 
 
 def test_cone(options, sheet):
-    """Would catch a cone whose apex bounds the stress without cracks: they would stop opening, the bar would never break,
-    and energy would be made. Limits: half of the bar fails; the energy balance closes to 1 %; the recorded plastic work
-    is at most that of a crack in each of the 12 cells."""
+    """Would catch a cone whose apex bounds the stress without cracks: they would stop opening, the bar would never
+    break, and energy would be made. Limits: half of the bar fails; the energy balance closes to 1 %; the recorded
+    plastic work is at most that of a crack in each of the 12 cells."""
     run = case.Case(options, "cone", CONE).run("-q")
     last = {name: float(values[-1]) for name, values in run.history.items()}
     sheet.above("cone: failed part of the bar", last["failed_mass"] / last["mass"], 0.5)

@@ -21,8 +21,8 @@ bar, PIC            each step multiplies the velocities by the square of the tra
 discs               target 2 % (test_two_discs.py)
 
 Combinations that miss their target are listed by transfer, update and method. The limits of listed misses are: a fifth
-of the energy; with PIC and APIC, which filter, all of it; for the bar with the plain method, whose force jumps at cell faces, a
-hundred times the energy. A listed miss that meets its target fails the test, too.
+of the energy; with PIC and APIC, which filter, all of it; for the bar with the plain method, whose force jumps at cell
+faces, a hundred times the energy. A listed miss that meets its target fails the test, too.
 
 `--write FILE` writes the table to a file, `--only WORD` selects the methods whose name contains a word.
 """
