@@ -189,7 +189,7 @@ contains
          call principal(tensor, values, axes)
          values = without_cracks(values, state%damage(k))
          deformation%damage%work(i) = state%volume(k)*(elastic_energy(self, values, &
-            state%damage(k)) + 0.5_wp*work_density(tensor, deformation%gradient(i, :)))
+            state%damage(k)) + 0.5_wp*work_density(tensor, deformation, i))
          if (.not. values(1) > 0.0_wp) cycle
          tensor = compose(values, axes)
          tensor(1:3) = tensor(1:3) - viscous
@@ -207,12 +207,16 @@ contains
    end function without_cracks
 
    !> Work of a stress in a step, per volume [J/m3].
-   pure real(wp) function work_density(stress, gradient) result(work)
+   pure real(wp) function work_density(stress, deformation, i) result(work)
       real(wp), intent(in) :: stress(6)              !! [Pa]
-      real(wp), intent(in) :: gradient(9)            !! Columns as in deformation_t [1]
+      type(deformation_t), intent(in) :: deformation !! Step of the range
+      integer, intent(in) :: i                       !! Index in the range
 
-      work = sum(stress(1:3)*gradient([1, 5, 9])) + stress(4)*(gradient(2) + gradient(4)) &
-         + stress(5)*(gradient(6) + gradient(8)) + stress(6)*(gradient(3) + gradient(7))
+      associate (gradient => deformation%gradient)
+         work = stress(1)*gradient(i, 1) + stress(2)*gradient(i, 5) + stress(3)*gradient(i, 9) &
+            + stress(4)*(gradient(i, 2) + gradient(i, 4)) + stress(5)*(gradient(i, 6) &
+            + gradient(i, 8)) + stress(6)*(gradient(i, 3) + gradient(i, 7))
+      end associate
    end function work_density
 
    !> Elastic energy per volume [J/m3] of a state, with the energy of the pressure p**2/2K.
@@ -228,10 +232,10 @@ contains
    end function elastic_energy
 
    !> Has a particle cracks that can open further?
-   elemental logical function cracked(damage)
+   elemental logical function cracked(damage) result(yes)
       real(wp), intent(in) :: damage                 !! [1]
 
-      cracked = damage > 0.0_wp .and. damage < 1.0_wp
+      yes = damage > 0.0_wp .and. damage < 1.0_wp
    end function cracked
 
    !> Reduce the trial deviator and pressure by the cracks that were open before the step.
@@ -300,7 +304,7 @@ contains
          if (.not. (near .or. before)) cycle
          call crack(self, factor, spacing, state%volume(k), state%stress, k, &
             deformation%pressure(i), state%damage(k), deformation%plastic_work(i))
-         if (before .and. state%damage(k) < 1.0_wp) call close_books(self, state, deformation, i, k)
+         if (before .and. state%damage(k) < 1.0_wp) call find_loss(self, state, deformation, i, k)
       end do
    end subroutine softening_open_cracks
 
@@ -345,7 +349,7 @@ contains
    !> Plastic work of a particle with cracks: the work of the mean stress less what is stored. The
    !! stress has no potential where some principal values are tension and others pressure, and the
    !! law of strength knows nothing of cracks. Equation (F.9).
-   pure subroutine close_books(softening, state, deformation, i, particle)
+   pure subroutine find_loss(softening, state, deformation, i, particle)
       type(softening_t), intent(in) :: softening
       type(material_state_t), intent(in) :: state          !! State of the store; deviator
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -357,9 +361,9 @@ contains
       tensor(1:3) = tensor(1:3) - deformation%pressure(i)
       call principal(tensor, values, axes)
       deformation%plastic_work(i) = deformation%damage%work(i) + state%volume(particle) &
-         *(0.5_wp*work_density(tensor, deformation%gradient(i, :)) - elastic_energy(softening, &
+         *(0.5_wp*work_density(tensor, deformation, i) - elastic_energy(softening, &
          without_cracks(values, state%damage(particle)), state%damage(particle)))
-   end subroutine close_books
+   end subroutine find_loss
 
    !> Elastic energy [J] of a particle with open cracks. In tension that of the pressure is p**2/2K,
    !! as the energy of cracks supposes: the difference to the energy of an equation of state is a

@@ -181,9 +181,9 @@ contains
             self%pressure_floor, self%plastic_increment, self%distension, self%gruneisen, &
             self%wave_speed, self%plastic_work, self%viscous_work, self%strength%homologous, &
             self%strength%old_damage, self%strength%strain_rate, self%strength%dilation, &
-            self%strength%tangent, self%strength%shear_ratio, self%damage%bound, self%damage%load, self%damage%work, &
-            self%voids%alpha, self%voids%loose, self%voids%old_pressure, &
-            self%voids%old_temperature, self%voids%total_volume)
+            self%strength%tangent, self%strength%shear_ratio, self%damage%bound, &
+            self%damage%load, self%damage%work, self%voids%alpha, self%voids%loose, &
+            self%voids%old_pressure, self%voids%old_temperature, self%voids%total_volume)
       end if
       ! Greater than the number, because columns whose length is a power of two would map to few
       ! cache sets.
@@ -193,7 +193,8 @@ contains
          self%gruneisen(n), self%wave_speed(n), self%plastic_work(n), self%viscous_work(n), &
          self%strength%homologous(n), self%strength%old_damage(n), self%strength%strain_rate(n), &
          self%strength%dilation(n), self%strength%tangent(n), self%strength%shear_ratio(n), &
-         self%damage%bound(n), self%damage%load(n), self%damage%work(n), self%voids%alpha(n), self%voids%loose(n), &
-         self%voids%old_pressure(n), self%voids%old_temperature(n), self%voids%total_volume(n))
+         self%damage%bound(n), self%damage%load(n), self%damage%work(n), self%voids%alpha(n), &
+         self%voids%loose(n), self%voids%old_pressure(n), self%voids%old_temperature(n), &
+         self%voids%total_volume(n))
    end subroutine deformation_reserve
 end module material_state
