@@ -19,6 +19,7 @@ rings; otherwise the rings would no longer show the improvement. Energy removed 
 import numpy as np
 import pytest
 
+import bodies
 import case
 
 DENSITY, BULK, SHEAR = 1010.0, 121.7e6, 26.1e6
@@ -33,16 +34,6 @@ DECK = """
 {bodies}
 &output  name='h'  kind='history'  every=20 /
 &checkpoint  at_end=.true. /
-"""
-RINGS = """
-&region  name='a'  shape='sphere'  centre=-0.06,0,0  radius=0.04 /
-&region  name='b'  shape='sphere'  centre=-0.06,0,0  radius=0.03 /
-&region  name='c'  shape='sphere'  centre= 0.06,0,0  radius=0.04 /
-&region  name='d'  shape='sphere'  centre= 0.06,0,0  radius=0.03 /
-&region  name='l'  shape='difference'  of='a','b' /
-&region  name='r'  shape='difference'  of='c','d' /
-&body  name='l'  region='l'  material='rubber'  velocity= 30,0,0 /
-&body  name='r'  region='r'  material='rubber'  velocity=-30,0,0 /
 """
 BLOCKS = """
 &region  name='l'  shape='box'  lo=-0.06,0,-0.03  hi=-0.01,1,0.03 /
@@ -126,8 +117,8 @@ def test_same_bits(options, sheet):
     """Rings on two ranks and after a restart: the digest of one rank."""
     digests = {}
     for name, ranks in (("one", 1), ("two", 2)):
-        digests[name] = run(options, f"bits_{name}", RINGS, *SMALL, ranks=ranks).summary["digest"]
-    trial = run(options, "bits_half", RINGS, *SMALL, more=("--set", "time.max_steps=50"))
+        digests[name] = run(options, f"bits_{name}", bodies.RINGS, *SMALL, ranks=ranks).summary["digest"]
+    trial = run(options, "bits_half", bodies.RINGS, *SMALL, more=("--set", "time.max_steps=50"))
     sheet.require(trial.summary["steps"] == 50, "the first half ends after 50 steps")
     trial.run("-q", "--restart")
     digests["half"] = trial.summary["digest"]
@@ -139,9 +130,9 @@ def test_same_bits(options, sheet):
 def test_rings(options, sheet):
     """Two rings that collide: energy with the order of update that conserves it, and the controls."""
     box = (0.25, 0.5, 0.1), 0.002, 6e-3
-    good = run(options, "rings", RINGS, *box)
+    good = run(options, "rings", bodies.RINGS, *box)
     sheet.known("rings: energy", good.summary["ledger"]["energy_error"], limit=0.02, target=0.01)
-    bad = run(options, "rings_usl", RINGS, *box, method="stress_update='usl'")
+    bad = run(options, "rings_usl", bodies.RINGS, *box, method="stress_update='usl'")
     sheet.above("rings, usl: energy that is lost", -bad.summary["ledger"]["energy_error"], 0.1)
     said = [line for line in bad.path(".log").read_text().splitlines() if "of the energy is lost" in line]
     sheet.require(len(said) == 1 and "usavg" in said[0] and "flip" not in said[0],
@@ -150,7 +141,7 @@ def test_rings(options, sheet):
     lost = f"{-100.0 * bad.summary['ledger']['energy_error']:.1f} % of the energy is lost"
     sheet.require(len(said) == 1 and lost in said[0], f"rings, usl: the error of the balance, {lost}: {said}")
     sheet.require("of the energy" not in good.path(".log").read_text(), "rings: no warning after the advice")
-    some = run(options, "rings_damped", RINGS, *box, method=KEEPS + "  flip=0.999").summary
+    some = run(options, "rings_damped", bodies.RINGS, *box, method=KEEPS + "  flip=0.999").summary
     sheet.below("rings, damped: energy", some["ledger"]["energy_error"], 0.01)
     sheet.above("rings, damped: what is booked", some["trust"]["damped"]["value"], 0.1)
 

@@ -26,6 +26,17 @@ END = """
 """
 
 
+# two rings of a material `rubber` that collide at 60 m/s
+RINGS = """
+&region  name='a'  shape='sphere'  centre=-0.06,0,0  radius=0.04 /
+&region  name='b'  shape='sphere'  centre=-0.06,0,0  radius=0.03 /
+&region  name='c'  shape='sphere'  centre= 0.06,0,0  radius=0.04 /
+&region  name='d'  shape='sphere'  centre= 0.06,0,0  radius=0.03 /
+&region  name='l'  shape='difference'  of='a','b' /
+&region  name='r'  shape='difference'  of='c','d' /
+&body  name='l'  region='l'  material='rubber'  velocity= 30,0,0 /
+&body  name='r'  region='r'  material='rubber'  velocity=-30,0,0 /
+"""
 FIELDS = "'identity','velocity','stress'"
 
 

@@ -4,13 +4,13 @@
     python test/verify/draw_hard_cases.py --scree build/bin/scree --work FOLDER
 """
 
-
 import matplotlib
 import numpy as np
 from matplotlib import pyplot
 from PIL import Image
 
 import _support
+import bodies
 import case
 
 matplotlib.use("Agg")
@@ -32,15 +32,7 @@ RINGS = """&run  dimension='plane_strain' /
 &method  {0} /
 &effects  eos=.false.  artificial_viscosity=.false. /
 &material  name='rubber'  density=1010  bulk=121.7e6  shear=26.1e6  strength_model='neo_hookean' /
-&region  name='a'  shape='sphere'  centre=-0.06,0,0  radius=0.04 /
-&region  name='b'  shape='sphere'  centre=-0.06,0,0  radius=0.03 /
-&region  name='c'  shape='sphere'  centre= 0.06,0,0  radius=0.04 /
-&region  name='d'  shape='sphere'  centre= 0.06,0,0  radius=0.03 /
-&region  name='l'  shape='difference'  of='a','b' /
-&region  name='r'  shape='difference'  of='c','d' /
-&body  name='l'  region='l'  material='rubber'  velocity= 30,0,0 /
-&body  name='r'  region='r'  material='rubber'  velocity=-30,0,0 /
-&output  name='p'  kind='particles'  times=1.0e-3  fields='mises' /
+""" + bodies.RINGS + """&output  name='p'  kind='particles'  times=1.0e-3  fields='mises' /
 """ + END
 
 

@@ -252,6 +252,17 @@ def compute(shots: Sequence[tuple[Family, Shot]], *, program: str | None, outdir
     return results
 
 
+def shock_from_wall(run: Run) -> float:
+    """Speed of the shock [m/s] in a bar that strikes a rigid wall at x = 0, with the particles at rest behind it.
+
+    It follows from the momentum that the wall takes up between the second and the third snapshot.
+    """
+    before, after = run.snapshots[1], run.snapshots[2]
+    gained = [float((snap["mass"] * snap["velocity"][:, 0]).sum()) for snap in (before, after)]
+    mass, grid, speed = float(after["mass"].sum()), run.deck["grid"], -run.deck["body"]["velocity"][0]
+    return float(grid["hi"][0] * (gained[1] - gained[0]) / (mass * speed * (after.time - before.time)))
+
+
 def read_results(path: Path) -> list[dict[str, str]]:
     """Rows of results.csv; none without the file."""
     if not path.is_file():
@@ -347,13 +358,11 @@ def parts_of(path: Path) -> tuple[str, str]:
 def picture(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) -> Figure:
     """Prediction over measurement of all quantities, a line for each family, with the error of the measurement."""
     plot = look.pyplot()
-    there = sorted((family for family in known.values() if any(row["family"] == family.name for row in rows)),
-                   key=lambda family: (family.subject, family.title))
+    there = by_subject(known, rows)
     figure: Figure
     figure, axes = plot.subplots(figsize=(9.0, 1.2 + 0.4 * len(there)), layout="constrained")
     axes.axvspan(1.0 - 0.01 * TARGET, 1.0 + 0.01 * TARGET, color="#e8e8e8", zorder=0)
-    for number, family in enumerate(there):
-        own = [row for row in rows if row["family"] == family.name]
+    for number, (_, own) in enumerate(there):
         colour = look.COLOURS[number % len(look.COLOURS)]
         for place, row in enumerate(own):
             ratio = float(row["prediction"]) / float(row["measured"])
@@ -361,7 +370,7 @@ def picture(known: Mapping[str, Family], rows: Sequence[Mapping[str, str]]) -> F
             axes.errorbar([ratio], [number + 0.7 * ((place + 0.5) / len(own) - 0.5)],
                           xerr=0.01 * float(row["error"] or 0.0) * ratio, fmt="o", ms=4, color=colour,
                           mfc="white" if blocked else colour, lw=0.8, capsize=1.5)
-    axes.set_yticks(range(len(there)), [family.title for family in there], fontsize=9)
+    axes.set_yticks(range(len(there)), [family.title for family, _ in there], fontsize=9)
     axes.set(ylim=(len(there) - 0.5, -0.5), xlabel="prediction over measurement")
     axes.axvline(1.0, color="black", lw=0.8)
     axes.grid(axis="x", color="#dddddd", lw=0.6)

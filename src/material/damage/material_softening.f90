@@ -206,6 +206,15 @@ contains
       whole = merge(values/(1.0_wp - damage), values, values > 0.0_wp)
    end function without_cracks
 
+   !> Principal stress that cracks leave.
+   pure function with_cracks(values, damage) result(reduced)
+      real(wp), intent(in) :: values(3)              !! Principal stress without cracks [Pa]
+      real(wp), intent(in) :: damage                 !! [1]
+      real(wp) :: reduced(3)
+
+      reduced = merge((1.0_wp - damage)*values, values, values > 0.0_wp)
+   end function with_cracks
+
    !> Work of a stress in a step, per volume [J/m3].
    pure real(wp) function work_density(stress, deformation, i) result(work)
       real(wp), intent(in) :: stress(6)              !! [Pa]
@@ -227,8 +236,8 @@ contains
       real(wp) :: mean
 
       mean = sum(values)/3.0_wp
-      energy = 0.5_wp*sum(merge((1.0_wp - damage)*values, values, values > 0.0_wp) &
-         *(0.5_wp*(values - mean)/softening%shear + mean/(3.0_wp*softening%bulk)))
+      energy = 0.5_wp*sum(with_cracks(values, damage)*(0.5_wp*(values - mean)/softening%shear &
+         + mean/(3.0_wp*softening%bulk)))
    end function elastic_energy
 
    !> Has a particle cracks that can open further?
@@ -268,7 +277,7 @@ contains
       real(wp), intent(out) :: pressure                  !! [Pa]
       real(wp) :: reduced(3), mean
 
-      reduced = merge((1.0_wp - damage)*values, values, values > 0.0_wp)
+      reduced = with_cracks(values, damage)
       mean = sum(reduced)/3.0_wp
       stress(particle, :) = compose(reduced - mean, axes)
       pressure = -mean

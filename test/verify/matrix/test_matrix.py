@@ -21,8 +21,9 @@ bar, PIC            each step multiplies the velocities by the square of the tra
 discs               target 2 % (test_two_discs.py)
 
 Combinations that miss their target are listed by transfer, update and method. The limits of listed misses are: a fifth
-of the energy; with PIC and APIC, which filter, all of it; for the bar with the plain method, whose force jumps at cell
-faces, a hundred times the energy. A listed miss that meets its target fails the test, too.
+of the energy; with PIC, which filters, and with APIC on cubic functions, whose support is twice as wide, all of it; for
+the bar with the plain method, whose force jumps at cell faces, a hundred times the energy. A listed miss that meets its
+target fails the test, too.
 
 `--write FILE` writes the table to a file, `--only WORD` selects the methods whose name contains a word.
 """
@@ -130,7 +131,7 @@ def judge(sheet, key, result, worst):
         exact = np.expm1(-result["steps"] * FADES[kind] * (np.pi / 25.0 * 0.5) ** 2)
         sheet.near(f"{label}: energy", energy, float(exact), 0.05)
     elif misses(*key):
-        limit = 1.0 if transfer in ("pic", "apic") else 0.2
+        limit = 1.0 if transfer == "pic" or (transfer, kind) == ("apic", "mpm cubic") else 0.2
         if problem == "bar":
             limit = LARGE
         sheet.require(TARGETS[problem] < abs(energy) <= limit,
