@@ -190,6 +190,7 @@ contains
          values = without_cracks(values, state%damage(k))
          deformation%damage%work(i) = state%volume(k)*(elastic_energy(self, values, &
             state%damage(k)) + 0.5_wp*work_density(tensor, deformation, i))
+         deformation%damage%mean(i) = sum(values)/3.0_wp
          if (.not. values(1) > 0.0_wp) cycle
          tensor = compose(values, axes)
          tensor(1:3) = tensor(1:3) - viscous
@@ -357,21 +358,29 @@ contains
 
    !> Plastic work of a particle with cracks: the work of the mean stress less what is stored. The
    !! stress has no potential where some principal values are tension and others pressure, and the
-   !! law of strength knows nothing of cracks. Equation (F.9).
+   !! law of strength knows nothing of cracks. Of a step in compression the part of the pressure
+   !! counts neither as work nor as stored: the equation of state stores it, not p**2/2K. Equation
+   !! (F.9).
    pure subroutine find_loss(softening, state, deformation, i, particle)
       type(softening_t), intent(in) :: softening
       type(material_state_t), intent(in) :: state          !! State of the store; deviator
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: i                             !! Index in the range
       integer, intent(in) :: particle                      !! Index in the store
-      real(wp) :: tensor(6), values(3), axes(3, 3)
+      real(wp) :: tensor(6), values(3), axes(3, 3), mean, loss
 
       tensor(:) = state%stress(particle, 1:6)
       tensor(1:3) = tensor(1:3) - deformation%pressure(i)
       call principal(tensor, values, axes)
-      deformation%plastic_work(i) = deformation%damage%work(i) + state%volume(particle) &
-         *(0.5_wp*work_density(tensor, deformation, i) - elastic_energy(softening, &
-         without_cracks(values, state%damage(particle)), state%damage(particle)))
+      values = without_cracks(values, state%damage(particle))
+      loss = 0.5_wp*work_density(tensor, deformation, i) - elastic_energy(softening, values, &
+         state%damage(particle))
+      mean = sum(values)/3.0_wp
+      associate (before => deformation%damage%mean(i), gradient => deformation%gradient)
+         if (mean < 0.0_wp .and. before < 0.0_wp) loss = loss + 0.5_wp*((mean**2 - before**2) &
+            /softening%bulk - (mean + before)*(gradient(i, 1) + gradient(i, 5) + gradient(i, 9)))
+      end associate
+      deformation%plastic_work(i) = deformation%damage%work(i) + state%volume(particle)*loss
    end subroutine find_loss
 
    !> Elastic energy [J] of a particle with open cracks. In tension that of the pressure is p**2/2K,
