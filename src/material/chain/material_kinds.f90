@@ -6,8 +6,8 @@ module material_kinds
    implicit none
    private
 
-   public :: all_gases, any_gas, are_cold, is_fluid, is_gas, may_lock, stores_work, &
-      supports_any_shear
+   public :: all_gases, any_gas, is_fluid, is_gas, is_loose, may_lock, must_keep_energy, &
+      stores_work, supports_any_shear
 
    !> Poisson's ratio from which on particles keep their volume, so that few cells lock [1]
    real(wp), parameter :: nearly_incompressible = 0.45_wp
@@ -95,15 +95,29 @@ contains
       end do
    end function stores_work
 
-   !> True if no material carries internal energy: then nothing records the energy that the method
-   !! dissipates.
-   pure logical function are_cold(materials) result(cold)
+   !> True if some material carries no internal energy, so that nothing records the energy that the
+   !! method dissipates in it. Loose grains at rest and in slow flow are more accurate with a method
+   !! that damps, and so are gases.
+   pure logical function must_keep_energy(materials) result(must)
       type(material_t), intent(in) :: materials(:)   !! Materials of the deck
       integer :: index
 
-      cold = size(materials) > 0
+      must = .false.
       do index = 1, size(materials)
-         cold = cold .and. .not. materials(index)%carries_energy()
+         if (is_loose(materials(index)) .or. is_gas(materials(index))) then
+            must = .false.
+            return
+         end if
+         must = must .or. .not. materials(index)%carries_energy()
       end do
-   end function are_cold
+   end function must_keep_energy
+
+   !> True if a material can separate without tension, as grains do.
+   pure logical function is_loose(material) result(loose)
+      type(material_t), intent(in) :: material
+
+      loose = .false.
+      if (allocated(material%law)) loose = material%law%has_grains() .or. &
+         material%law%least_pressure() >= 0.0_wp
+   end function is_loose
 end module material_kinds

@@ -131,11 +131,11 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine read_method(method, deck, stored, cold, gases, some_gas)
+   subroutine read_method(method, deck, stored, keeps, gases, some_gas)
       type(method_t), intent(inout) :: method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Do all materials store work reversibly?
-      logical, intent(in) :: cold                    !! Does no material carry internal energy?
+      logical, intent(in) :: keeps                   !! Must the method keep their energy?
       logical, intent(in) :: gases                   !! Is all material a gas?
       logical, intent(in) :: some_gas                !! Is some material a gas or an explosive?
       type(group_t) :: group
@@ -143,7 +143,7 @@ contains
       class(basis_t), allocatable :: functions
       logical :: linear
 
-      call set_method_defaults(deck, stored, cold, gases, some_gas)
+      call set_method_defaults(deck, stored, keeps, gases, some_gas)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)

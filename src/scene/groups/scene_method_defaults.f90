@@ -21,19 +21,24 @@ contains
 
    !> Set the defaults of &method that depend on other keys and on the material, and refuse
    !! incompatible keys.
-   subroutine set_method_defaults(deck, stored, cold, gases, some_gas)
+   subroutine set_method_defaults(deck, stored, keeps, gases, some_gas)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Do all materials store work reversibly?
-      logical, intent(in) :: cold                    !! Does no material carry internal energy?
+      logical, intent(in) :: keeps                   !! Must the method keep their energy?
       logical, intent(in) :: gases                   !! Is all material a gas?
       logical, intent(in) :: some_gas                !! Is some, or an explosive?
-      logical :: averages
+      logical :: averages, controls
 
-      averages = cold
-      if (averages) averages = has_average(deck)
-      if (stored .and. .not. averages) averages = .not. is_axisymmetric(deck)
-      if (averages) averages = may_average(deck)
-      if (averages) call set_average_defaults(deck)
+      averages = .false.
+      if (keeps) averages = may_average(deck)
+      controls = .false.
+      if (averages .and. stored) then
+         controls = has_average(deck)
+         if (.not. controls) controls = .not. is_axisymmetric(deck)
+         if (controls) controls = may_control(deck)
+         averages = controls
+      end if
+      if (averages) call set_average_defaults(deck, controls)
       call set_dependent_defaults(deck, averages)
       call set_cell_defaults(deck)
       if (stored .and. .not. averages) call set_contact_default(deck)
@@ -46,20 +51,21 @@ contains
       if (some_gas) call set_split_default(deck, gases)
    end subroutine set_method_defaults
 
-   !> Elastic material keeps its energy with the strain of two velocities (usavg), and the mean
-   !! stress of the nodes (control) removes the noise that usavg does not damp. Other updates damp
-   !! this noise, and with it the energy of collisions and vibrations, which nothing records.
-   !! Material that flows or breaks dissipates energy itself, and gets the mean stress only with
-   !! usavg; so does axisymmetry, where particles in the middle of their rings give the axis an
-   !! eighth too much mass, and the noise is not damped. doc/theory/methods_compared.md
-   subroutine set_average_defaults(deck)
+   !> Solids and liquids without internal energy keep their energy with the strain of two velocities
+   !! (usavg). Other updates damp collisions and vibrations, and nothing records the loss. In elastic
+   !! material the mean stress of the nodes (control) removes the noise that usavg does not damp;
+   !! other material fails, flows or is too stiff for the strains of several percent that make it.
+   !! Elastic axisymmetric scenes keep usl: particles in the middle of their rings give the axis an
+   !! eighth too much mass, and the noise of that is not damped. doc/theory/methods_compared.md
+   subroutine set_average_defaults(deck, controls)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
+      logical, intent(in) :: controls                !! Is the mean stress of the nodes used?
       type(group_t) :: group
 
       group = deck%group("method", 1)
       if (.not. group%given("stress_update")) call deck%set_default("method", 1, "stress_update", &
          trim(stress_names(stress_average)))
-      if (.not. group%given("quadrature")) &
+      if (controls .and. .not. group%given("quadrature")) &
          call deck%set_default("method", 1, "quadrature", "control")
    end subroutine set_average_defaults
 
@@ -74,26 +80,21 @@ contains
       has = word == stress_names(stress_average)
    end function has_average
 
-   !> Do the keys of the deck allow the strain of two velocities with a mean stress of the nodes?
+   !> Do the keys of the deck allow the strain of two velocities?
    logical function may_average(deck) result(may)
       type(deck_t), intent(in) :: deck
       class(velocity_t), allocatable :: transfer
-      class(quadrature_t), allocatable :: rule
-      character(len=:), allocatable :: word, normalise, surface
+      character(len=:), allocatable :: word
       logical :: paper, parts, cell
       type(group_t) :: group
 
       group = deck%group("method", 1)
       call group%get("paper", paper)
-      call group%get("normalise", normalise)
-      call group%get("free_surface", surface)
       call find_transfer(group, transfer)
       parts = has_self_contact(deck)
       cell = has_cell(deck)
       may = .false.
-      if (.not. is_dual(deck) .or. paper .or. parts .or. cell) return
-      if (group%given("normalise") .and. normalise /= "none") return
-      if (surface /= "fill" .or. transfer%filters()) return
+      if (.not. is_dual(deck) .or. paper .or. parts .or. cell .or. transfer%filters()) return
       if (transfer%affine() .and. .not. transfer%turning()) return
       call group%get("turn_from", word)
       if (group%given("turn_from") .and. word /= "tiles") return
@@ -101,6 +102,21 @@ contains
          call group%get("stress_update", word)
          if (word /= stress_names(stress_average)) return
       end if
+      may = .true.
+   end function may_average
+
+   !> Do they allow a mean stress of the nodes?
+   logical function may_control(deck) result(may)
+      type(deck_t), intent(in) :: deck
+      class(quadrature_t), allocatable :: rule
+      character(len=:), allocatable :: word, normalise, surface
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("normalise", normalise)
+      call group%get("free_surface", surface)
+      may = .false.
+      if (surface /= "fill" .or. (group%given("normalise") .and. normalise /= "none")) return
       if (group%given("quadrature")) then
          call group%get("quadrature", word)
          call choose_quadrature(word, rule)
@@ -108,7 +124,7 @@ contains
          if (.not. rule%controlled()) return
       end if
       may = .true.
-   end function may_average
+   end function may_control
 
    !> Has some body contact with itself? Its two velocities need the point rule.
    logical function has_self_contact(deck) result(has)
@@ -194,7 +210,9 @@ contains
    end subroutine set_contact_default
 
    !> With two velocities (usavg) elastic material conserves all of its energy by default: it needs
-   !! no filter of the velocities.
+   !! no filter of the velocities. In material that flows the filter removes motion of particles
+   !! that nodes do not resolve, and the ledger records its energy; without it the run-out of
+   !! columns of grains depends on the cells.
    subroutine set_elastic_defaults(deck)
       type(deck_t), intent(inout) :: deck
       type(group_t) :: group

@@ -4,7 +4,7 @@
 module scene_setup
    use base_kinds, only: wp
    use deck_reader, only: deck_t, group_t
-   use material_kinds, only: all_gases, any_gas, are_cold, stores_work
+   use material_kinds, only: all_gases, any_gas, must_keep_energy, stores_work
    use material_record, only: read_record
    use particle_body, only: body_t
    use scene_absorbing, only: read_absorbing
@@ -46,7 +46,7 @@ contains
 
       call read_materials(deck, simulation)
       call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
-         are_cold(simulation%materials), all_gases(simulation%materials), &
+         must_keep_energy(simulation%materials), all_gases(simulation%materials), &
          any_gas(simulation%materials))
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)

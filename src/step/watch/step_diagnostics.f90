@@ -8,7 +8,7 @@ module step_diagnostics
    use base_exact_sum, only: exact_sum_t
    use base_exact_totals, only: totals_over_ranks
    use base_kinds, only: int64, wp
-   use material_kinds, only: may_lock
+   use material_kinds, only: is_loose, may_lock
    use material_type, only: material_t
    use mesh_tiles, only: tiles_t
    use mesh_grid, only: grid_t
@@ -389,13 +389,4 @@ contains
       solid = .false.
       if (allocated(material%law)) solid = material%law%has_shear() .and. .not. is_loose(material)
    end function is_solid
-
-   !> True if a material can separate without tension.
-   pure logical function is_loose(material) result(loose)
-      type(material_t), intent(in) :: material
-
-      loose = .false.
-      if (allocated(material%law)) loose = material%law%has_grains() .or. &
-         material%law%least_pressure() >= 0.0_wp
-   end function is_loose
 end module step_diagnostics
