@@ -58,8 +58,8 @@ contains
       call schema%words("method", "free_surface", surface_names)
       call schema%text("method", "quadrature", "where the dual gradient is evaluated: "// &
          "point, at the particle; sub_points, mean over points of its box; control, at the "// &
-         "particle, for the stress less a mean stress of the nodes; default: control where no "// &
-         "material has an internal energy and stress_update is usavg, else point", &
+         "particle, for the stress less a mean stress of the nodes; default: control where all "// &
+         "material is elastic and stress_update is usavg, else point", &
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "divide sums over particles by the sums of their "// &
@@ -106,9 +106,9 @@ contains
 
       call schema%text("method", "stress_update", "when the stress is updated: usl after the "// &
          "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
-         "of both maps, which conserves energy; default with ddmp: usavg where all material is "// &
-         "elastic and no key excludes it, else usl, or musl with transfer = apic or aflip and "// &
-         "where elastic bodies have contact; with mpm: musl", &
+         "of both maps, which conserves energy; default with ddmp: usavg where some material has "// &
+         "no internal energy, none is loose or a gas and no key excludes it, else usl, or musl "// &
+         "with transfer = apic or aflip and where elastic bodies have contact; with mpm: musl", &
          words="usl usf musl usavg")
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
          "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &
