@@ -27,15 +27,14 @@ contains
       logical, intent(in) :: keeps                   !! Must the method keep their energy?
       logical, intent(in) :: gases                   !! Is all material a gas?
       logical, intent(in) :: some_gas                !! Is some, or an explosive?
-      logical :: averages, controls
+      logical :: averages, controls, axisymmetric
 
+      axisymmetric = is_axisymmetric(deck)
       averages = .false.
       if (keeps) averages = may_average(deck)
       controls = .false.
-      if (averages .and. stored) then
-         controls = has_average(deck)
-         if (.not. controls) controls = .not. is_axisymmetric(deck)
-         if (controls) controls = may_control(deck)
+      if (averages .and. stored .and. .not. axisymmetric) then
+         controls = may_control(deck)
          averages = controls
       end if
       if (averages) call set_average_defaults(deck, controls)
@@ -43,7 +42,7 @@ contains
       call set_cell_defaults(deck)
       if (stored .and. .not. averages) call set_contact_default(deck)
       if (has_average(deck)) then
-         if (stored) call set_elastic_defaults(deck)
+         if (stored .and. .not. axisymmetric) call set_elastic_defaults(deck)
          call set_axial_default(deck)
          call set_turn_default(deck)
       end if
