@@ -28,8 +28,9 @@ contains
       call schema%integer("run", "seed", "seed of all random numbers", default="12345", &
          range=">= 0")
       call schema%group("method", "numerical method")
-      call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity", &
-         default="0.06", range=">= 0", owner="effects.artificial_viscosity")
+      call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity; "// &
+         "default: 0.22 where viscosity_limiter is smooth by default, else 0.06", default="0.06", &
+         range=">= 0", owner="effects.artificial_viscosity")
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
       call schema%group("material", "one material; the prefix of a key gives its model", &

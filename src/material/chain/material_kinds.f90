@@ -112,12 +112,11 @@ contains
       end do
    end function must_keep_energy
 
-   !> True if a material can separate without tension, as grains do.
+   !> True if a material is loose grains.
    pure logical function is_loose(material) result(loose)
       type(material_t), intent(in) :: material
 
       loose = .false.
-      if (allocated(material%law)) loose = material%law%has_grains() .or. &
-         material%law%least_pressure() >= 0.0_wp
+      if (allocated(material%law)) loose = material%law%is_loose()
    end function is_loose
 end module material_kinds

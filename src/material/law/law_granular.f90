@@ -34,6 +34,7 @@ module law_granular
       procedure :: read_mode => granular_read_mode   !! Reads the mode
       procedure :: fault => granular_fault           !! Error if no relaxation is given
       procedure :: read => granular_read             !! Reads its keys
+      procedure :: is_loose => granular_is_loose     !! Always
       procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode total
       procedure :: predict_trial => granular_predict_trial !! Updates the volume, keeps the deviator
       procedure :: update => granular_update         !! Relaxes
@@ -104,6 +105,13 @@ contains
       call group%get(key, inverse)
       inverse = 1.0_wp/inverse
    end function inverse_key
+
+   !> Grains flow at any stress.
+   pure logical function granular_is_loose(self) result(loose)
+      class(law_granular_t), intent(in) :: self
+
+      loose = .true.
+   end function granular_is_loose
 
    !> In mode total the pressure is a part of the law.
    pure logical function granular_gives_whole_stress(self) result(whole)

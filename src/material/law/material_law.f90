@@ -37,6 +37,7 @@ module material_law
       procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
       procedure :: follows_density => law_follows_density !! True if its pressure must follow it
       procedure :: has_grains => law_has_grains      !! True if it has an inertial number
+      procedure :: is_loose => law_is_loose          !! True if it is that of loose grains
       procedure :: is_plastic => law_is_plastic      !! True if it flows and so dissipates
       procedure :: request => law_request            !! Requests the fields it needs
       procedure :: predict_trial => law_predict_trial !! Trial deviator of the step
@@ -124,6 +125,13 @@ contains
 
       has = .false.
    end function law_has_grains
+
+   !> True if the law is that of loose grains, which separate without tension or flow at any stress.
+   pure logical function law_is_loose(self) result(loose)
+      class(law_t), intent(in) :: self
+
+      loose = self%has_grains() .or. self%least_pressure() >= 0.0_wp
+   end function law_is_loose
 
    !> True if the law needs an equation of state of a special kind.
    pure logical function law_needs_eos(self) result(needs)

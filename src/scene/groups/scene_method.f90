@@ -59,7 +59,7 @@ contains
       call schema%text("method", "quadrature", "where the dual gradient is evaluated: "// &
          "point, at the particle; sub_points, mean over points of its box; control, at the "// &
          "particle, for the stress less a mean stress of the nodes; default: control where all "// &
-         "material is elastic and stress_update is usavg, else point", &
+         "material is elastic and stress_update is usavg, not in axisymmetry, else point", &
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "divide sums over particles by the sums of their "// &
@@ -122,7 +122,8 @@ contains
 
       call schema%text("method", "viscosity_limiter", "part of the compression that artificial "// &
          "viscosity resists: smooth, the compression less the part that the surrounding node "// &
-         "gradients predict, so that smoothly converging flow is not heated; none, all of it", &
+         "gradients predict, so that smoothly converging flow is not heated; none, all of it; "// &
+         "default: smooth where stress_update is usavg by default and some material is not elastic", &
          default="none", words="none smooth", &
          owner="effects.artificial_viscosity & run.method = ddmp")
       call schema%real("method", "heat_flux", &

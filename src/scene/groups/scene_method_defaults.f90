@@ -38,6 +38,7 @@ contains
          averages = controls
       end if
       if (averages) call set_average_defaults(deck, controls)
+      if (averages .and. .not. stored) call set_shock_defaults(deck)
       call set_dependent_defaults(deck, averages)
       call set_cell_defaults(deck)
       if (stored .and. .not. averages) call set_contact_default(deck)
@@ -54,8 +55,8 @@ contains
    !! (usavg). Other updates damp collisions and vibrations, and nothing records the loss. In elastic
    !! material the mean stress of the nodes (control) removes the noise that usavg does not damp;
    !! other material fails, flows or is too stiff for the strains of several percent that make it.
-   !! Elastic axisymmetric scenes keep usl: particles in the middle of their rings give the axis an
-   !! eighth too much mass, and the noise of that is not damped. doc/theory/methods_compared.md
+   !! In axisymmetry particles in the middle of their rings give the axis an eighth too much mass;
+   !! the noise of that is damped (flip), not averaged. doc/theory/methods_compared.md
    subroutine set_average_defaults(deck, controls)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
       logical, intent(in) :: controls                !! Is the mean stress of the nodes used?
@@ -67,6 +68,26 @@ contains
       if (controls .and. .not. group%given("quadrature")) &
          call deck%set_default("method", 1, "quadrature", "control")
    end subroutine set_average_defaults
+
+   !> The strain of two velocities does not damp the oscillations behind weak shocks. A viscosity
+   !! that resists jumps alone does, and damps smooth waves less than the weaker one that resists all
+   !! compression. doc/theory/viscosity.md
+   subroutine set_shock_defaults(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
+      real(wp), parameter :: linear = 0.22_wp        !! Coefficient of the linear viscosity [1]
+      character(len=:), allocatable :: normalise
+      logical :: acts
+      type(group_t) :: effects, group
+
+      effects = deck%group("effects", 1)
+      call effects%get("artificial_viscosity", acts)
+      group = deck%group("method", 1)
+      call group%get("normalise", normalise)
+      if (.not. acts .or. group%given("bulk_q1") .or. group%given("viscosity_limiter") .or. &
+         (group%given("normalise") .and. normalise /= "none")) return
+      call deck%set_default("method", 1, "bulk_q1", linear)
+      call deck%set_default("method", 1, "viscosity_limiter", "smooth")
+   end subroutine set_shock_defaults
 
    !> Is the strain that of two velocities, by the deck or by a default that is set?
    logical function has_average(deck) result(has)

@@ -60,7 +60,7 @@ contains
       simulation%space%grid%margin = simulation%scheme%method%margin()
       simulation%space%grid%reaches = merge(2, 1, simulation%scheme%method%dual)
       call simulation%space%grid%start(tile_edge(deck))
-      call finish_materials(simulation)
+      call finish_materials(deck, simulation)
       call check_periodic(deck, simulation%space%grid)
       call read_effects(deck, simulation)
       call read_cell(deck, simulation)
@@ -141,16 +141,22 @@ contains
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
-   !> What materials need of method and grid: the limit of the artificial viscosity to jumps, and,
-   !! for the damage models, the extent of particles in the directions that are not computed.
-   pure subroutine finish_materials(simulation)
+   !> What materials need of method and grid: the artificial viscosity, whose defaults depend on the
+   !! method, and, for the damage models, the extent of particles in the directions that are not
+   !! computed.
+   subroutine finish_materials(deck, simulation)
+      type(deck_t), intent(in) :: deck
       type(simulation_t), intent(inout) :: simulation
+      type(group_t) :: group
       integer :: index
 
+      group = deck%group("method", 1)
       do index = 1, size(simulation%materials)
          associate (material => simulation%materials(index), grid => simulation%space%grid)
-            if (allocated(material%viscosity)) material%viscosity%limited = &
-               simulation%scheme%method%limited
+            if (allocated(material%viscosity)) then
+               call group%get("bulk_q1", material%viscosity%linear)
+               material%viscosity%limited = simulation%scheme%method%limited
+            end if
             if (grid%axisymmetric .or. .not. allocated(material%damage)) cycle
             material%damage%slice%depth = grid%depth
             material%damage%slice%exponent = 3.0_wp/real(grid%dimensions, wp)

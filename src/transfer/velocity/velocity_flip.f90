@@ -30,8 +30,8 @@ contains
       type(schema_t), intent(inout) :: schema
 
       call schema%real("method", "flip", "FLIP fraction; the rest is PIC; default: 1 "// &
-         "with stress_update = 'usavg' where all material is elastic", default="0.999", &
-         range=">= 0 <= 1", owner="transfer = flip aflip rflip")
+         "with stress_update = 'usavg' where all material is elastic, except in axisymmetry", &
+         default="0.999", range=">= 0 <= 1", owner="transfer = flip aflip rflip")
    end subroutine flip_declare
 
    !> Read the FLIP fraction.
