@@ -9,7 +9,7 @@ module run_progress
    use run_limits, only: limits_t
    use run_loop_clock, only: loop_clock_t
    use run_threads, only: is_starved, starved_text
-   use step_ledger, only: balance_t, kinetic
+   use step_ledger, only: balance_t, kinetic, ledger_t
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
    implicit none
@@ -21,20 +21,22 @@ contains
 
    !> Write a line of progress to the log. Collective.
    subroutine log_progress(simulation, limits, log, clock)
-      type(simulation_t), intent(inout) :: simulation !! After a step
+      type(simulation_t), intent(in) :: simulation   !! After a step
       type(limits_t), intent(in) :: limits           !! End of the run
       type(log_t), intent(inout) :: log              !! Gets the line
       type(loop_clock_t), intent(inout) :: clock     !! Gets the time of the line
       type(progress_row_t) :: progress
       type(balance_t) :: balance
+      type(ledger_t) :: ledger
       real(wp) :: wall, done
       integer(int64) :: counts(2)
 
       wall = wall_seconds()
       clock%last_line = wall
-      call simulation%balance%ledger%balance(simulation%machine%communicator, &
-         simulation%space%grid, simulation%stores, &
-         simulation%materials, balance)
+      ! A copy: the greatest momentum so far must not depend on the wall time of a line.
+      ledger = simulation%balance%ledger
+      call ledger%balance(simulation%machine%communicator, simulation%space%grid, &
+         simulation%stores, simulation%materials, balance)
       counts = [count_particles(simulation%stores), simulation%clock%updates]
       call simulation%machine%communicator%total(counts)
       progress%wall = wall - clock%begin
