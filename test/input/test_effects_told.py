@@ -42,7 +42,9 @@ CASES = (  # effects, metal, water, lines
       "default: strength, eos, artificial_viscosity, rate", "           metal: strength_model von_mises, eos_model "
       "linear (default), damage_model principal_stress, conductivity on", "eos_model tait"]),
     ("contact=.true. damping=0 rate=.true.", "", "elastic='none'",
-     ["effects    by the deck: contact, rate; by default: strength, eos, artificial_viscosity\n"]),
+     ["effects    by the deck: contact, rate; by default: strength, eos, artificial_viscosity\n",
+      "method     ddmp, transfer rflip (default), stress_update usavg (default), quadrature point (default), "
+      "viscosity_limiter smooth (default)\n"]),
 )
 
 

@@ -87,8 +87,8 @@ contains
       call update_gravity(simulation%effects, simulation%clock)
    end subroutine read_effects
 
-   !> The effects that are on, then the models of each material, all with their reasons. Their costs
-   !! are in doc/reference/effects.md; the fields that they add are listed with their bytes
+   !> The effects that are on, the models of each material and the method, all with their reasons.
+   !! Costs are in doc/reference/effects.md; the fields that they add are listed with their bytes
    !! elsewhere.
    function effects_text(schema, deck) result(text)
       type(schema_t), intent(in) :: schema           !! Declares the effects
@@ -110,8 +110,30 @@ contains
          text = text//material_line(deck%group("material", n), group)
       end do
       text = text//"           doc/reference/effects.md lists their costs per particle and step"// &
-         new_line("a")
+         new_line("a")//method_line(deck)
    end function effects_text
+
+   !> The choices of &method whose defaults follow from the scene.
+   function method_line(deck) result(text)
+      type(deck_t), intent(in) :: deck               !! Read and checked
+      character(len=:), allocatable :: text, word
+      character(len=17), parameter :: keys(4) = [character(len=17) :: "transfer", "stress_update", &
+         "quadrature", "viscosity_limiter"]
+      type(group_t) :: group
+      integer :: n
+
+      group = deck%group("run", 1)
+      call group%get("method", word)
+      text = "method     "//word
+      group = deck%group("method", 1)
+      do n = 1, size(keys)
+         if (.not. group%known(trim(keys(n)))) cycle
+         call group%get(trim(keys(n)), word)
+         text = text//", "//trim(keys(n))//" "//word
+         if (.not. group%given(trim(keys(n)))) text = text//" (default)"
+      end do
+      text = text//new_line("a")
+   end function method_line
 
    !> Names of the effects that are on, in the order of their declaration: either those that the
    !! deck gives, or those that are on by default.
