@@ -11,7 +11,7 @@ Cook that Lesuer and others fitted to their own tests, of which only the row nam
 """
 import numpy as np
 
-SUBJECT = "metals"
+SUBJECT = "strength"
 QUANTITIES = {"flow_5": ("stress at a strain of 0.05", "MPa"), "flow_10": ("stress at a strain of 0.1", "MPa"),
               "flow_20": ("stress at a strain of 0.2", "MPa")}
 CELLS = 6                              # on the radius

@@ -2,15 +2,14 @@
 """Hot metal bars on a wall.
 
 Bars that are heated before they strike a hard wall. Axisymmetric, smooth rigid wall, law of Johnson and Cook, without
-failure; the length follows from the velocity of the rear end, the foot from the lowest row of particles. Data: W. H. Gust (1982), as tabulated in
-github.com/bbanerjee/HighRateExptData, without a stated error. Choice of the constants: presets, fitted to torsion and
-tension tests at low and high rates, those of Johnson and Cook up to about 1000 K; the bars are hotter than most of
-those tests. Bars of the run have the density and the elastic moduli of cold metal, and no thermal pressure
-(`mg_gamma = 0`).
+failure; the length follows from the velocity of the rear end, the foot from the lowest row of particles. Data: W. H.
+Gust (1982), as tabulated in github.com/bbanerjee/HighRateExptData, without a stated error. Choice of the constants:
+presets, fitted to torsion and tension tests at low and high rates; most of the bars are hotter than those tests. Bars
+of the run have the density and the elastic moduli of cold metal, and no thermal pressure (`mg_gamma = 0`).
 """
 import numpy as np
 
-SUBJECT = "metals"
+SUBJECT = "strength"
 QUANTITIES = {"ratio": ("final over initial length", "1"), "foot": ("diameter of the foot", "mm")}
 CELLS = 8                              # on the radius
 
