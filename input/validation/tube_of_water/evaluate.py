@@ -6,8 +6,8 @@ and displacement of its outer face were recorded beside the charge. Axisymmetric
 the ends are held. *Final* is the mean displacement after 250 us. Data and set-up: blastFoam, after A. Wardlaw, R.
 McKeown and A. Luton (1998), without a stated error or zero of time, so the times of 50 m/s, 17.7 and 14.2 us in the
 records against 18.9 and 16.7 us after the ignition in the runs, are not judged. Choice of the
-constants: products of the explosive and elastic modulus, yield and tensile strength of the alloy as in blastFoam,
-from handbooks; linear hardening between the two strengths, no dependence on the rate; water: Tait's equation with
+constants: products of the explosive and elastic modulus, yield and tensile strength of the alloy as in blastFoam;
+linear hardening between the two strengths, no dependence on the rate; water: Tait's equation with
 an exponent of 7, without tension. Nothing was fitted to these records.
 """
 import numpy as np
