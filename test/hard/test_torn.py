@@ -17,7 +17,8 @@ is a known miss of the same target. An end that is not strained at all has an er
 
 Breaking conserves the energy of materials that carry an internal energy to rounding. For other materials the balance
 records the work of plastic flow and viscosity, and the energy of failed material has an error equal to the loss: target
-1 %, for sudden failure, with a fracture energy, and with `failure_delay`, where the stress drops from above the strength.
+1 %, for sudden failure, with a fracture energy, and with `failure_delay`, where the stress drops from above the
+strength.
 
 Two blocks with one empty row of cells between them move apart: they share no node, so their stress is zero to rounding
 and their speed constant. The same for two halves of a plate that a notch one cell wide parts, but for a bridge beside

@@ -93,6 +93,20 @@ IMPACT = """
 &boundary  face='xlo'  type='symmetry' /
 &checkpoint  at_end=.false. /
 """
+# A sample colder than t_ref between plates, one of which moves: its energy is negative, and work comes later.
+COLD = """
+&run  dimension='axisymmetric' /
+&grid  lo=0,0,0  hi=2.5e-3,0,2.5e-3  dx=0.5e-3 /
+&time  t_end=1e-5 /
+&effects  thermal=.true. /
+&material  name='m'  preset='al_6061_t6'  mg_gamma=0 /
+&region  name='r'  shape='box'  lo=0,0,0  hi=1.5e-3,0,1.5e-3 /
+&region  name='p'  shape='box'  lo=0,0,1.5e-3  hi=9e-3,0,9e-3 /
+&body  name='b'  region='r'  material='m'  ppc=2,1,2  temperature=77 /
+&boundary  face='xlo'  type='symmetry' /
+&boundary  face='zlo'  type='slip' /
+&boundary  region='p'  type='slip'  velocity=0,0,-2 /
+"""
 NAMED = re.compile(r"step (\d+), .*particle (\d+) of body")
 SIGNS = {"speed": "times the speed that initial state", "heat": "times the energy supplied",
          "total": "more than the energy of the whole run"}
@@ -254,6 +268,12 @@ def test_unstable_load(options, sheet):
     run = patch(options, "unstable", end=3.0, time="dt_fixed=0.03  dt_collapse=0", expect=None)
     sheet.require(run.summary["trust"]["speed"]["verdict"] == "bad", f"unstable: {run.summary['trust']['speed']}")
     sheet.require(len(warnings(run, "times the speed that initial state")) == 1, "unstable: the warning")
+
+
+def test_cold_sample(options, sheet):
+    """Round-off of a sum of negative energies that is taken for the energy of the run, which then stops (R111)."""
+    run = case.Case(options, "cold", COLD).run("-q")
+    sheet.require(run.summary["trust"]["verdict"] != "bad", f"cold: {run.summary['trust']}")
 
 
 @pytest.mark.tiers("full", "long")

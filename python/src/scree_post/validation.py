@@ -38,8 +38,9 @@ TARGET = 5.0                                             # accepted deviation [%
 TEXTS = ("name", "what", "source", "note")               # columns of data.csv that are neither inputs nor quantities
 ERROR = "error"                                          # column: error of all quantities of a shot [%]
 MARKS = ("<!-- rows -->", "<!-- end of rows -->")
-SUBJECTS = {"metals": "metals", "impacts": "impacts and explosives", "grains": "grains",
-            "brittle": "rock, concrete and glass", "fluids": "fluids and gas", "others": "other experiments"}
+SUBJECTS = {"metals": "metals", "strength": "strength of metals", "impacts": "impacts and explosives",
+            "grains": "grains", "brittle": "rock, concrete and glass", "fluids": "fluids and gas",
+            "others": "other experiments"}
 COLUMNS = ("family", "name", "quantity", "unit", "prediction", "cells_error", "measured", "error", "deviation",
            "verdict", "seconds")
 

@@ -19,9 +19,12 @@ module damage_johnson_cook
 
    public :: damage_johnson_cook_t
 
-   !> Least strain to failure. Parameter sets with negative D1 would give a negative strain in
-   !! tension.
-   real(wp), parameter :: least_strain = 1.0e-6_wp
+   !> Floor of the least strain to failure, for sets without strain in shear.
+   real(wp), parameter :: smallest_strain = 1.0e-6_wp
+   !> Default of the least strain to failure over that in shear. Fits with negative D1 fall below 0
+   !! in tension: the floor exceeds the plastic strain between yield and spall in plane waves,
+   !! 2/3 spall over bulk modulus, so that the spall strength decides there.
+   real(wp), parameter :: least_over_shear = 0.03_wp
    !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
    real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp
 
@@ -31,6 +34,7 @@ module damage_johnson_cook
    !> Damage model of Johnson and Cook. Without rate dependence the fourth coefficient is 0.
    type, extends(damage_t) :: damage_johnson_cook_t
       real(wp) :: coefficient(5) = 0.0_wp            !! D1 to D5 [1]
+      real(wp) :: least = smallest_strain            !! Least strain to failure [1]
       real(wp) :: reference_rate = 1.0_wp            !! Rate of the static strain [1/s]
       type(melting_range_t), allocatable :: range    !! Allocated if temperature has an effect
    contains
@@ -52,6 +56,9 @@ contains
       call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, failure strain", &
          owner="effects.damage & damage_model = johnson_cook")
       call schema%require("material", "jcd")
+      call schema%real("material", "jcd_min", "least strain to failure, where the fit gives "// &
+         "less or is negative, as in tension; default: 0.03 (D1 + D2)", range="> 0", &
+         owner="effects.damage & damage_model = johnson_cook")
    end subroutine johnson_cook_declare
 
    !> The strain to failure depends on the rate.
@@ -68,6 +75,8 @@ contains
       type(effects_t), intent(in) :: effects
 
       call group%get("jcd", self%coefficient)
+      self%least = max(smallest_strain, least_over_shear*sum(self%coefficient(:2)))
+      if (group%given("jcd_min")) call group%get("jcd_min", self%least)
       if (effects%rate) then
          call group%get("jc_rate", self%reference_rate)
       else
@@ -98,7 +107,7 @@ contains
       lanes(1) = triaxiality
       rates(1) = rate
       call find_failure_strains(self, 1, rates, lanes)
-      strain = max(least_strain, lanes(1)*(1.0_wp + self%coefficient(5)*homologous))
+      strain = max(self%least, lanes(1)*(1.0_wp + self%coefficient(5)*homologous))
    end function johnson_cook_failure_strain
 
    !> Strains to failure at the reference temperature.
@@ -183,7 +192,7 @@ contains
       call find_failure_strains(model, filled, rate, strain)
       do l = 1, count
          k = before + place(l)
-         strain(l) = max(least_strain, strain(l)*(1.0_wp + model%coefficient(5) &
+         strain(l) = max(model%least, strain(l)*(1.0_wp + model%coefficient(5) &
             *deformation%strength%homologous(place(l))))
          state%damage(k) = min(1.0_wp, state%damage(k) + deformation%plastic_increment(place(l)) &
             /strain(l))

@@ -106,9 +106,9 @@ contains
 
       call schema%text("method", "stress_update", "when the stress is updated: usl after the "// &
          "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
-         "of both maps, which conserves energy; default with ddmp: usavg where some material has "// &
-         "no internal energy, none is loose or a gas and no key excludes it, else usl, or musl "// &
-         "with transfer = apic or aflip and where elastic bodies have contact; with mpm: musl", &
+         "of both maps, which conserves energy; default with ddmp: usavg where some material "// &
+         "has no internal energy, none is loose or a gas and no key excludes it, else usl, or "// &
+         "musl with transfer = apic or aflip and where elastic bodies have contact; with mpm: musl", &
          words="usl usf musl usavg")
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
          "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &
@@ -123,7 +123,8 @@ contains
       call schema%text("method", "viscosity_limiter", "part of the compression that artificial "// &
          "viscosity resists: smooth, the compression less the part that the surrounding node "// &
          "gradients predict, so that smoothly converging flow is not heated; none, all of it; "// &
-         "default: smooth where stress_update is usavg by default and some material is not elastic", &
+         "default: smooth where stress_update is usavg by default and some material is not "// &
+         "elastic", &
          default="none", words="none smooth", &
          owner="effects.artificial_viscosity & run.method = ddmp")
       call schema%real("method", "heat_flux", &

@@ -51,9 +51,9 @@ contains
       if (some_gas) call set_split_default(deck, gases)
    end subroutine set_method_defaults
 
-   !> Solids and liquids without internal energy keep their energy with the strain of two velocities
-   !! (usavg). Other updates damp collisions and vibrations, and nothing records the loss. In elastic
-   !! material the mean stress of the nodes (control) removes the noise that usavg does not damp;
+   !> Solids and liquids without internal energy keep their energy with the strain of two
+   !! velocities (usavg). Other updates damp collisions and vibrations, and nothing records the
+   !! loss. In elastic material the mean stress of the nodes (control) removes the noise that usavg does not damp;
    !! other material fails, flows or is too stiff for the strains of several percent that make it.
    !! In axisymmetry particles in the middle of their rings give the axis an eighth too much mass;
    !! the noise of that is damped (flip), not averaged. doc/theory/methods_compared.md
@@ -69,9 +69,9 @@ contains
          call deck%set_default("method", 1, "quadrature", "control")
    end subroutine set_average_defaults
 
-   !> The strain of two velocities does not damp the oscillations behind weak shocks. A viscosity
-   !! that resists jumps alone does, and damps smooth waves less than the weaker one that resists all
-   !! compression. doc/theory/viscosity.md
+   !> The strain of two velocities does not damp the oscillations behind weak shocks. A
+   !! viscosity that resists jumps alone does, and damps smooth waves less than the weaker one that
+   !! resists all compression. doc/theory/viscosity.md
    subroutine set_shock_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
       real(wp), parameter :: linear = 0.22_wp        !! Coefficient of the linear viscosity [1]

@@ -480,7 +480,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(bounds_sample_t), intent(in) :: sample        !! Measured values
       type(error_t), allocatable, intent(out) :: error !! If so
-      real(wp), parameter :: margin = 2.0_wp
+      real(wp), parameter :: margin = 2.0_wp, rounding = 1.0e-9_wp
       real(wp) :: available
       character(len=:), allocatable :: who
       character(len=160) :: text
@@ -489,7 +489,9 @@ contains
          simulation%materials)) return
       associate (trust => simulation%balance%trust, start => simulation%balance%ledger%start)
          available = start%total - min(0.0_wp, trust%least_energy)*start%entry(mass) + trust%work
-         if (.not. available > 0.0_wp .or. sample%energy <= margin*available) return
+         ! a body below t_ref has negative energy, and its sum leaves round-off
+         if (.not. available > rounding*abs(start%total) .or. sample%energy <= margin*available) &
+            return
          call name_particle(simulation, find_greatest(simulation%materials, simulation%stores, &
             simulation%machine%communicator, measure_energy, trust%least_energy), who)
          write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", sample%energy, &

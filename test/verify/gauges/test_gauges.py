@@ -76,7 +76,8 @@ def test_plate(options, sheet):
     inside = table(one, "inside_gauge")
     # a single row is in the ringing behind the front
     within = abs(inside["time [s]"] * SOUND / THICK - 1.5) < 0.3
-    sheet.near("mean velocity at a fixed point in the pulse", inside["velocity_x [m/s]"][within].mean(), 0.5 * SPEED, 0.01)
+    sheet.near("mean velocity at a fixed point in the pulse", inside["velocity_x [m/s]"][within].mean(), 0.5 * SPEED,
+               0.01)
     mean = table(one, "plate_gauge")
     at = np.argmin(abs(mean["time [s]"] * SOUND / THICK - 1.0))
     sheet.near("mean velocity of the plate: impulse over mass", mean["velocity_x [m/s]"][at], 0.5 * SPEED / 2, 0.03)
