@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import EXIT_USAGE, ScreeError, unknown
 from . import colour as colours
-from . import look
+from . import look, surface
 from .shape import images, particle_size, plane_edges
 from .walls import draw_plane, walls_of
 
@@ -49,6 +49,7 @@ class Options:
     keep: tuple[int, float, float] | tuple[()] = ()                                   # axis, sign, position; 3-D only
     clock: tuple[float, str] = (1.0, "s")                            # factor and unit of the time
     walls: bool = True                                   # draw rigid regions and closed boundaries
+    surface: bool = False                                # of solids and heaps, instead of their particles
 
 
 @dataclass
@@ -64,7 +65,8 @@ class Matter:
 
     def rows(self, chosen: Bools) -> Matter:
         """A subset of the particles."""
-        return Matter(self.time, self.points[chosen], self.size[chosen], self.values[chosen], None,
+        return Matter(self.time, self.points[chosen], self.size[chosen], self.values[chosen],
+                      None if self.edges is None else self.edges[chosen],
                       None if self.speed is None else self.speed[chosen])
 
 
@@ -185,6 +187,8 @@ class PlanePage:
         """Particles as large as their volume: squares, or deformed squares."""
         from matplotlib.collections import PolyCollection
         k, box = self.metres, self.box
+        if self.options.surface and len(part.size):
+            part = part.rows(self.surface(axes, part))
         wide, _ = figure.get_size_inches()
         least = LEAST_DOT / 72.0 / wide * (box[1] - box[0])
         middle = part.points[:, [0, 2]]
@@ -204,6 +208,29 @@ class PlanePage:
         names = self.names[self.dimension]
         axes.set_xlabel(f"{names[0]} [{self.unit}]")
         axes.set_ylabel(f"{names[1]} [{self.unit}]")
+
+    def surface(self, axes: Axes, part: Matter) -> Bools:
+        """Draw the surface of what is filled; returns the loose particles, which are outside."""
+        from matplotlib.patches import PathPatch
+        middle, k = part.points[:, [0, 2]], self.metres
+        edges = part.size[:, None, None] * np.eye(2) if part.edges is None else part.edges
+        filling = surface.Filling(middle, edges, part.size)
+        found = surface.outline(filling)
+        if found is None:
+            return np.ones(len(part.size), bool)
+        places = np.stack(np.meshgrid(filling.nodes(0), filling.nodes(1)), axis=-1).reshape(-1, 2)
+        tints = colours.paint(self.options.colour, part.values)[:, :3]
+        count = filling.share.shape
+        half = 0.5 * filling.pitch
+        left, right, bottom, top = (k * float(filling.nodes(axis)[end] + side * half)
+                                    for axis in (0, 1) for end, side in ((0, -1), (-1, 1)))
+        image = np.clip(surface.mixed(middle, tints, places).reshape(count[1], count[0], 3), 0.0, 1.0)
+        shown = axes.imshow(image, extent=(left, right, bottom, top), origin="lower", interpolation="bilinear", zorder=1.1)
+        border = PathPatch(type(found)(k * found.vertices, found.codes), facecolor="none", edgecolor="#222222",
+                           linewidth=0.5, zorder=1.2)
+        axes.add_patch(border)
+        shown.set_clip_path(border)
+        return filling.loose(middle, part.size)
 
     def line(self, axes: Axes, part: Matter) -> None:
         """A run in one dimension: the field along x."""
