@@ -218,14 +218,14 @@ class PlanePage:
         found = surface.outline(filling)
         if found is None:
             return np.ones(len(part.size), bool)
-        places = np.stack(np.meshgrid(filling.nodes(0), filling.nodes(1)), axis=-1).reshape(-1, 2)
         tints = colours.paint(self.options.colour, part.values)[:, :3]
-        count = filling.share.shape
-        half = 0.5 * filling.pitch
-        left, right, bottom, top = (k * float(filling.nodes(axis)[end] + side * half)
-                                    for axis in (0, 1) for end, side in ((0, -1), (-1, 1)))
-        image = np.clip(surface.mixed(middle, tints, places).reshape(count[1], count[0], 3), 0.0, 1.0)
-        shown = axes.imshow(image, extent=(left, right, bottom, top), origin="lower", interpolation="bilinear", zorder=1.1)
+        fine = 0.5 * filling.pitch                       # of the colours
+        across, up = ((np.arange(2 * count) + 0.5) * fine for count in filling.share.shape)
+        places = filling.low + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2)
+        image = np.clip(surface.mixed(middle, tints, places).reshape(len(up), len(across), 3), 0.0, 1.0)
+        left, bottom = k * filling.low
+        shown = axes.imshow(image, extent=(left, left + k * fine * len(across), bottom, bottom + k * fine * len(up)),
+                            origin="lower", interpolation="bilinear", zorder=1.1)
         border = PathPatch(type(found)(k * found.vertices, found.codes), facecolor="none", edgecolor="#222222",
                            linewidth=0.5, zorder=1.2)
         axes.add_patch(border)
