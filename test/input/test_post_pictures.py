@@ -80,7 +80,7 @@ def ball_of(axes, width=1.0, radius=16.0):
     return width * (places + np.random.default_rng(3).uniform(-0.25, 0.25, places.shape)) + np.arange(1.0, axes + 1.0)
 
 
-def test_surface(options):
+def test_surface():
     """A surface beside its particles by a part of a cell, too large or with holes; loose particles that are not drawn,
     flags that are averaged.
 
@@ -120,6 +120,10 @@ def test_surface(options):
     assert np.median(along) > 0.98, f"cosine of normal and radius {np.median(along)}"
     assert np.abs(look[:, 3:] - place - (1.0, 2.0, 3.0)).max() < 2.0, "colours of particles elsewhere"
 
+
+@pytest.mark.tiers("full", "long")
+def test_surface_picture(options):
+    """A surface that leaves out a body, or has another size or colour than the particles."""
     _, left, right = body_page(options, "two_discs", "--time", "0")
     _, left_surface, right_surface = body_page(options, "two_discs", "--time", "0", "--surface")
     assert abs(left_surface / left - 1.0) < 0.08 and abs(right_surface / right - 1.0) < 0.08

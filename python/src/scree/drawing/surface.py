@@ -16,6 +16,8 @@ import numpy as np
 from ..errors import modules
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from ..arrays import Array, Bools
     from .view import Window
 
@@ -23,7 +25,7 @@ HALF = 0.5               # fraction of the space that is filled at the surface
 FINE = 0.5               # pitch of the grid over the median width of the particles
 SMOOTH = 0.8             # standard deviation of the smoothing over that width
 MOST = {2: 4.0e6, 3: 4.0e7}    # cells of the grid; the pitch grows with more
-MOST_PARTS = 6           # along an edge of a particle
+MOST_PARTS = {2: 40, 3: 12}    # along an edge of a particle
 FEW = 6                  # particles whose colours are mixed at a place
 
 
@@ -41,7 +43,7 @@ class Filling:
         shape = np.ceil((high - low) / self.pitch).astype(int)
         total = np.zeros(int(np.prod(shape)), np.float32)
         volume = np.abs(np.linalg.det(edges)) / self.pitch ** axes
-        parts = np.clip(np.ceil(np.abs(edges).sum(axis=1).max(axis=1) / self.pitch), 1, MOST_PARTS).astype(int)
+        parts = np.clip(np.ceil(np.abs(edges).sum(axis=1).max(axis=1) / self.pitch), 1, MOST_PARTS[axes]).astype(int)
         for number in np.unique(parts):
             rows = np.flatnonzero(parts == number)
             for steps in itertools.product((np.arange(number) + 0.5) / number - 0.5, repeat=axes):
@@ -89,6 +91,34 @@ def outline(filling: Filling) -> Any:
     made = contourpy.contour_generator(filling.nodes(0), filling.nodes(1), filling.share.T, fill_type="OuterCode")
     points, codes = made.filled(HALF, 2.0 * float(filling.share.max()) + 1.0)
     return path.Path(np.concatenate(points), np.concatenate(codes)) if points else None
+
+
+def draw(axes: Axes, middle: Array, edges: Array, size: Array, tints: Array, factor: float = 1.0e3) -> Bools:
+    """Draw the surface of particles in a plane; returns the loose particles, which the caller draws.
+
+    middle  centres (n, 2), with edge vectors (n, 2, 2) and widths (n) [m]
+    tints   red, green, blue (n, 3) from 0 to 1
+    factor  from metres to the unit of the axes (mm)
+    """
+    from matplotlib.patches import PathPatch
+    filling = Filling(middle, edges, size)
+    found = outline(filling)
+    if found is None:
+        return np.ones(len(size), bool)
+    fine = 0.5 * filling.pitch                           # of the colours
+    across, up = ((np.arange(2 * count) + 0.5) * fine for count in filling.share.shape)
+    places = filling.low + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2)
+    image = np.clip(mixed(middle, tints, places).reshape(len(up), len(across), 3), 0.0, 1.0)
+    (left, bottom), step = factor * filling.low, factor * fine
+    window = axes.axis()
+    shown = axes.imshow(image, extent=(left, left + step * len(across), bottom, bottom + step * len(up)),
+                        origin="lower", interpolation="bilinear", zorder=1.1)
+    border = PathPatch(type(found)(factor * found.vertices, found.codes), facecolor="none", edgecolor="#222222",
+                       linewidth=0.5, zorder=1.2)
+    axes.add_patch(border)
+    shown.set_clip_path(border)
+    axes.axis(window)
+    return filling.loose(middle, size)
 
 
 def crowded(points: Array, size: Array) -> Bools:

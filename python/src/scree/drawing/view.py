@@ -211,26 +211,9 @@ class PlanePage:
 
     def surface(self, axes: Axes, part: Matter) -> Bools:
         """Draw the surface of what is filled; returns the loose particles, which are outside."""
-        from matplotlib.patches import PathPatch
-        middle, k = part.points[:, [0, 2]], self.metres
         edges = part.size[:, None, None] * np.eye(2) if part.edges is None else part.edges
-        filling = surface.Filling(middle, edges, part.size)
-        found = surface.outline(filling)
-        if found is None:
-            return np.ones(len(part.size), bool)
         tints = colours.paint(self.options.colour, part.values)[:, :3]
-        fine = 0.5 * filling.pitch                       # of the colours
-        across, up = ((np.arange(2 * count) + 0.5) * fine for count in filling.share.shape)
-        places = filling.low + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2)
-        image = np.clip(surface.mixed(middle, tints, places).reshape(len(up), len(across), 3), 0.0, 1.0)
-        left, bottom = k * filling.low
-        shown = axes.imshow(image, extent=(left, left + k * fine * len(across), bottom, bottom + k * fine * len(up)),
-                            origin="lower", interpolation="bilinear", zorder=1.1)
-        border = PathPatch(type(found)(k * found.vertices, found.codes), facecolor="none", edgecolor="#222222",
-                           linewidth=0.5, zorder=1.2)
-        axes.add_patch(border)
-        shown.set_clip_path(border)
-        return filling.loose(middle, part.size)
+        return surface.draw(axes, part.points[:, [0, 2]], edges, part.size, tints, self.metres)
 
     def line(self, axes: Axes, part: Matter) -> None:
         """A run in one dimension: the field along x."""
