@@ -13,13 +13,13 @@ import subprocess
 
 import matplotlib
 import numpy as np
-import space
 from matplotlib import pyplot
 from matplotlib.colors import to_rgb
 
 import _support
 import case
 import scree_post
+import space
 from draw_bodies import STYLE
 from scree.drawing import page, surface, view, view_options
 from scree.drawing.areal_density import radiograph
