@@ -301,7 +301,7 @@ def cloud(options):
         axes.imshow(np.exp(-absorption * frame.sigma), extent=[1e3 * edge for edge in frame.box], origin="lower",
                     cmap="gray", vmin=0.0, vmax=1.0, interpolation="antialiased")
         axes.set(xlabel="z [mm]", xlim=(-36, 68), ylim=(-44, 44), aspect="equal")
-        axes.set_title(f"{name}, {1e6 * frame.time:.0f} us after the impact")
+        axes.set_title(f"{name}, {1e6 * frame.time:.3g} us after the impact")
         axes.grid(visible=False)
     places[0].set_ylabel("x [mm]")
     _support.save(figure, "talk_cloud")
