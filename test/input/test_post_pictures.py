@@ -17,7 +17,7 @@ import scree_post
 import tier
 from post_command import call, run_cases, series
 from sample_snapshots import matter, write
-from scree.drawing import view_options
+from scree.drawing import surface, view_options
 from scree.drawing.colour import colour_for, paint, values_of
 from scree_post import film, fragment_table, pieces
 from scree_post.command import parser_of
@@ -70,6 +70,63 @@ def test_plane_picture(options):
     assert area > 0.9, f"{area:.2f} of the disc are filled"
     later, _, _ = body_page(options, "two_discs", "--time", "2")
     assert later.shape[2] == 3 and (later.shape != image.shape or (later != image).any())
+
+
+def ball_of(axes, width=1.0, radius=16.0):
+    """Jittered particles of a disc or a ball about (1, 2, 3), those on the surface left whole."""
+    sides = [np.arange(-radius - 1.5, radius + 2.0)] * axes
+    places = np.stack([side.ravel() for side in np.meshgrid(*sides)], axis=1)
+    places = places[np.linalg.norm(places, axis=1) < radius]
+    return width * (places + np.random.default_rng(3).uniform(-0.25, 0.25, places.shape)) + np.arange(1.0, axes + 1.0)
+
+
+def test_surface():
+    """A surface beside its particles by a part of a cell, too large or with holes; loose particles that are not drawn,
+    flags that are averaged.
+
+    A contour of half filled space lies s^2/(2R) per curved direction inside a disc or ball of radius R, s = 0.8 widths.
+    """
+    points = ball_of(2)
+    stray = np.array([[25.0, 2.0]])
+    every = np.concatenate([points, stray])
+    filling = surface.Filling(every, np.tile(np.eye(2), (len(every), 1, 1)), np.ones(len(every)))
+    path = surface.outline(filling)
+    edges = path.to_polygons()
+    assert len(edges) == 1, f"{len(edges)} outlines of one disc"
+    x, y = np.array(edges[0])[:-1].T
+    turned = 0.5 * (x * np.roll(y, -1) - np.roll(x, -1) * y)
+    radius = math.sqrt(abs(turned.sum()) / math.pi)
+    wanted = math.sqrt(len(points) / math.pi)
+    assert abs(radius - wanted + surface.SMOOTH ** 2 / (2.0 * wanted)) < 0.05, f"radius {radius}, wanted {wanted}"
+    centre = [((side + np.roll(side, -1)) * turned).sum() / (3.0 * turned.sum()) for side in (x, y)]
+    assert np.abs(np.array(centre) - (1.0, 2.0)).max() < 0.1, f"the outline of the disc is about {centre}"
+    loose = filling.loose(every, np.ones(len(every)))
+    assert loose[-1] and not loose[:-1].any(), f"{loose.sum()} loose particles, wanted 1"
+    flags = (points[:, :1] > 1.0).astype(float)
+    assert set(np.unique(surface.mixed(points, flags, points + 0.3))) == {0.0, 1.0}
+
+    points = np.concatenate([ball_of(3), [[1.0, 2.0, 30.0]]])
+    loose, near, look = surface.cast(points, np.ones(len(points)), points, (-20.0, 22.0, -19.0, 23.0), (84, 84))
+    assert loose[-1] and not loose[:-1].any(), f"{loose.sum()} loose particles, wanted 1"
+    wanted = (0.75 * (len(points) - 1) / math.pi) ** (1.0 / 3.0)
+    row, column = np.nonzero(near > -np.inf)
+    right, up = -20.0 + 0.5 * (column + 0.5) - 1.0, 23.0 - 0.5 * (row + 0.5) - 2.0
+    place = np.stack([right, up, near[row, column] - 3.0], axis=1)
+    far = np.linalg.norm(place, axis=1)
+    assert abs(far.mean() - wanted + surface.SMOOTH ** 2 / wanted) < 0.05, f"radius {far.mean()}, wanted {wanted}"
+    assert np.abs(place.mean(axis=0)[:2]).max() < 0.1 and np.quantile(place[:, 2], 0.02) > 0.0, \
+        "the surface is beside the ball"
+    along = (look[:, :3] * place).sum(axis=1) / far
+    assert np.median(along) > 0.98, f"cosine of normal and radius {np.median(along)}"
+    assert np.abs(look[:, 3:] - place - (1.0, 2.0, 3.0)).max() < 2.0, "colours of particles elsewhere"
+
+
+@pytest.mark.tiers("full", "long")
+def test_surface_picture(options):
+    """A surface that leaves out a body, or has another size or colour than the particles."""
+    _, left, right = body_page(options, "two_discs", "--time", "0")
+    _, left_surface, right_surface = body_page(options, "two_discs", "--time", "0", "--surface")
+    assert abs(left_surface / left - 1.0) < 0.08 and abs(right_surface / right - 1.0) < 0.08
 
 
 @pytest.mark.tiers("full", "long")

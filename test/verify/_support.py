@@ -12,7 +12,8 @@ HERE = Path(__file__).resolve().parent
 TEST = HERE.parent
 
 sys.path[:0] = [str(place) for place in (TEST / "support", HERE / "crack", HERE / "shocks", HERE / "taylor",
-                                         TEST.parent / "scripts", TEST.parent / "python/src")]
+                                         TEST.parent / "scripts", TEST.parent / "python/src",
+                                         TEST.parent / "input/debris_cloud")]
 
 FIGURES = TEST.parent / "doc/theory/figures"
 WIDTH = 1800.0                           # of a figure [pixels]

@@ -37,6 +37,15 @@ class Balls:
     tint: Array                                        # (n, 3) red, green, blue from 0 to 1
 
 
+@dataclass
+class Skin:
+    """A surface that is drawn instead of the spheres inside it (surface.cast)."""
+
+    loose: Bools                                       # (n) spheres that are drawn
+    near: Array                                        # (height, width), larger is nearer, -inf where there is none
+    look: Array                                        # (m, 6) normal and colour of its pixels, row by row
+
+
 def disc_offsets(reach: int) -> list[tuple[int, int]]:
     """Pairs of integers within a square around a pixel, without the corners that no sphere reaches."""
     steps = range(-reach, reach + 1)
@@ -128,27 +137,35 @@ def lit_share(balls: Balls, points: Array) -> Array:
 
 
 class Image:
-    """An image of spheres: the window is left, right, bottom, top in the unit of the spheres."""
+    """An image of spheres, with a surface or without: the window is left, right, bottom, top in their unit."""
 
-    def __init__(self, wide: int, high: int, window: Window, balls: Balls) -> None:
+    def __init__(self, wide: int, high: int, window: Window, balls: Balls, skin: Skin | None = None) -> None:
         self.shape, self.window = (high, wide), window
         self.pixel = (window[1] - window[0]) / wide
         left, top = window[0], window[3]
         column, row = (balls.right - left) / self.pixel, (top - balls.up) / self.pixel
         radius = np.maximum(balls.radius / self.pixel, LEAST)
-        self.depth, owner = splat(column, row, balls.near / self.pixel, radius, self.shape)
-        self.drawn = owner >= 0
-        self.colour = np.ones((high, wide, 3))
-        if self.drawn.any():
-            self.colour[self.drawn] = self.shaded(balls, owner, column, row, radius)
-
-    def shaded(self, balls: Balls, owner: Array, column: Array, row: Array, radius: Array) -> Array:
-        """Colours (m, 3) of the pixels that spheres cover."""
-        pixel_row, pixel_column = np.nonzero(self.drawn)
-        ball = owner[self.drawn]
+        rows = np.flatnonzero(skin.loose) if skin else np.arange(len(radius))
+        self.depth, owner = splat(column[rows], row[rows], balls.near[rows] / self.pixel, radius[rows], self.shape)
+        look = np.zeros((high, wide, 6))               # normal and colour
+        pixel_row, pixel_column = np.nonzero(owner >= 0)
+        ball = rows[owner[owner >= 0]]
         right = (pixel_column + 0.5 - column[ball]) / radius[ball]
         up = (row[ball] - pixel_row - 0.5) / radius[ball]
         near = np.sqrt(np.maximum(1.0 - right ** 2 - up ** 2, 0.0))
+        look[pixel_row, pixel_column] = np.hstack([np.stack([right, up, near], axis=1), balls.tint[ball]])
+        if skin:
+            front = skin.near / self.pixel > self.depth
+            look[front] = skin.look[front[skin.near > -np.inf]]
+            self.depth = np.where(front, skin.near / self.pixel, self.depth)
+        self.drawn = self.depth > -np.inf
+        self.colour = np.ones((high, wide, 3))
+        if self.drawn.any():
+            self.colour[self.drawn] = self.shaded(balls, *look[self.drawn].T)
+
+    def shaded(self, balls: Balls, right: Array, up: Array, near: Array, *tint: Array) -> Array:
+        """Colours (m, 3) of the drawn pixels from their normals and colours."""
+        pixel_row, pixel_column = np.nonzero(self.drawn)
         facing = np.maximum(right * LIGHT[0] + up * LIGHT[1] + near * LIGHT[2], 0.0)
         points = np.stack([self.window[0] + (pixel_column + 0.5) * self.pixel,
                            self.window[3] - (pixel_row + 0.5) * self.pixel,
@@ -160,7 +177,7 @@ class Image:
         half = LIGHT + np.array([0.0, 0.0, 1.0])
         half /= np.linalg.norm(half)
         shine = SHINE * np.maximum(right * half[0] + up * half[1] + near * half[2], 0.0) ** 24
-        lit = balls.tint[ball] * ((AMBIENT + DIFFUSE * light) * shade)[:, None]
+        lit = np.stack(tint, axis=1) * ((AMBIENT + DIFFUSE * light) * shade)[:, None]
         return np.asarray(np.clip(lit + shine[:, None], 0.0, 1.0))
 
     def place(self, points: Array) -> Array:

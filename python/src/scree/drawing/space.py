@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import colour as colours
-from . import look, render
+from . import look, render, surface
 from .radiograph_page import scale_bar
 from .view import matter
 from .walls import STYLES, at_time, is_seen, walls_of
@@ -110,8 +110,10 @@ class SpacePage:
         axes = np.stack(self.camera(share))
         seen = part.points @ axes.T
         tints = colours.paint(self.options.colour, part.values)[:, :3]
-        image = render.Image(wide, high, self.box,
-                             render.Balls(seen[:, 0], seen[:, 1], seen[:, 2], 0.5 * SPREAD * part.size, tints))
+        skin = render.Skin(*surface.cast(seen, part.size, tints, self.box, (high, wide))
+                           ) if self.options.surface else None
+        image = render.Image(wide, high, self.box, render.Balls(
+            seen[:, 0], seen[:, 1], seen[:, 2], 0.5 * SPREAD * part.size, tints), skin)
         self.add_walls(image, snap, axes)
         return image.halved(SHARP)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import EXIT_USAGE, ScreeError, unknown
 from . import colour as colours
-from . import look
+from . import look, surface
 from .shape import images, particle_size, plane_edges
 from .walls import draw_plane, walls_of
 
@@ -49,6 +49,7 @@ class Options:
     keep: tuple[int, float, float] | tuple[()] = ()                                   # axis, sign, position; 3-D only
     clock: tuple[float, str] = (1.0, "s")                            # factor and unit of the time
     walls: bool = True                                   # draw rigid regions and closed boundaries
+    surface: bool = False                                # of solids and heaps, instead of their particles
 
 
 @dataclass
@@ -64,7 +65,8 @@ class Matter:
 
     def rows(self, chosen: Bools) -> Matter:
         """A subset of the particles."""
-        return Matter(self.time, self.points[chosen], self.size[chosen], self.values[chosen], None,
+        return Matter(self.time, self.points[chosen], self.size[chosen], self.values[chosen],
+                      None if self.edges is None else self.edges[chosen],
                       None if self.speed is None else self.speed[chosen])
 
 
@@ -185,6 +187,8 @@ class PlanePage:
         """Particles as large as their volume: squares, or deformed squares."""
         from matplotlib.collections import PolyCollection
         k, box = self.metres, self.box
+        if self.options.surface and len(part.size):
+            part = part.rows(self.surface(axes, part))
         wide, _ = figure.get_size_inches()
         least = LEAST_DOT / 72.0 / wide * (box[1] - box[0])
         middle = part.points[:, [0, 2]]
@@ -204,6 +208,12 @@ class PlanePage:
         names = self.names[self.dimension]
         axes.set_xlabel(f"{names[0]} [{self.unit}]")
         axes.set_ylabel(f"{names[1]} [{self.unit}]")
+
+    def surface(self, axes: Axes, part: Matter) -> Bools:
+        """Draw the surface of what is filled; returns the loose particles, which are outside."""
+        edges = part.size[:, None, None] * np.eye(2) if part.edges is None else part.edges
+        tints = colours.paint(self.options.colour, part.values)[:, :3]
+        return surface.draw(axes, part.points[:, [0, 2]], edges, part.size, tints, self.metres)
 
     def line(self, axes: Axes, part: Matter) -> None:
         """A run in one dimension: the field along x."""

@@ -44,6 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="3-D: x, y, z, corner, or azimuth,elevation in degrees (corner: -60,20)")
     add("--up", choices=("x", "y", "z"), default="z", help="3-D: the axis that points up (z)")
     add("--zoom", type=float, default=1.0, help="3-D: enlarge the middle (1)")
+    add("--surface", action="store_true",
+        help="2-D, 3-D: surface of solids and heaps; only particles outside it are drawn one by one")
     add("--title", help="default: the title of the run; '' for none")
     add("--dpi", type=int, default=200, help="pixels per inch (200); a page is 9 inches wide")
 
@@ -94,7 +96,7 @@ def options_of(arguments: argparse.Namespace, snaps: Sequence[Snapshot]) -> Opti
         up="xyz".index(arguments.up),
         turn=getattr(arguments, "turn", 0.0),
         clock=look.scaled(latest, "s") if latest > 0.0 else (1.0, "s"),
-        walls=not arguments.no_walls,
+        walls=not arguments.no_walls, surface=arguments.surface,
         keep=side(arguments.keep) if arguments.keep else ())
 
 
