@@ -8,12 +8,14 @@ each, whose standard deviation is the error. The angle is that between the axis 
 forces are means over 0.3 of the time in which the tip goes under, and the greatest of these. The cone strikes with
 the speed of free fall, which the length of the weightless part of the records confirms to 1 %; the body of the run is
 shorter and has the mass of the real one. Choice of the constants: density of water, a sound speed of 15 times the
-speed, no friction. Forces are 9 to 27 % too great; those of 25, 30 and 60 degrees still decrease with finer cells,
-those of 45 degrees do not, and the reason is not known. At 45 degrees and 1 m the square root of the force grows at
-the measured rate while the tip goes under (1.03 N^0.5/ms), but 0.5 ms earlier, as if the cone were 2 mm larger, with
-16 and with 24 cells. `mpm` with `gimp`, twice the sound speed, a pool 1.8 times as wide, a limit of 10 Pa on the
-tension of the water, or a rigid region with the speed of impact instead of a body with contact give 26.7 to 28.3 N
-there, so these are not the reason.
+speed, no friction. Forces are 16 to 28 % too great and the reason is not known; with `stress_update = 'usl'` they are
+9 to 27 % too great. A [wedge](#a-wedge-that-falls-into-water) and [cylinders](#cylinders-that-fall-into-water) with
+the same contact agree with boundary elements, so a common factor, such as the mass that the accelerometer feels, is
+likelier than the contact. With `usl`, at 45 degrees and 1 m, the square root of the force grows at the measured rate
+while the tip goes under (1.03 N^0.5/ms), but 0.5 ms earlier, as if the cone were 2 mm larger, with 16 and with 24
+cells. `mpm` with `gimp`, twice the sound speed, a pool 1.8 times as wide, a limit of 10 Pa on the tension of the
+water, or a rigid region with the speed of impact instead of a body with contact give 26.7 to 28.3 N there, so these
+are not the reason.
 """
 import numpy as np
 
