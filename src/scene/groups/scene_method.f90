@@ -108,7 +108,8 @@ contains
          "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
          "of both maps, which conserves energy; default with ddmp: usavg where some material "// &
          "has no internal energy, none is loose or a gas and no key excludes it, else usl, or "// &
-         "musl with transfer = apic or aflip and where elastic bodies have contact; with mpm: musl", &
+         "musl with transfer = apic or aflip and where elastic bodies have contact; with mpm: "// &
+         "musl", &
          words="usl usf musl usavg")
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
          "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &

@@ -53,10 +53,11 @@ contains
 
    !> Solids and liquids without internal energy keep their energy with the strain of two
    !! velocities (usavg). Other updates damp collisions and vibrations, and nothing records the
-   !! loss. In elastic material the mean stress of the nodes (control) removes the noise that usavg does not damp;
-   !! other material fails, flows or is too stiff for the strains of several percent that make it.
-   !! In axisymmetry particles in the middle of their rings give the axis an eighth too much mass;
-   !! the noise of that is damped (flip), not averaged. doc/theory/methods_compared.md
+   !! loss. In elastic material the mean stress of the nodes (control) removes the noise that usavg
+   !! does not damp; other material fails, flows or is too stiff for the strains of several percent
+   !! that make it. In axisymmetry particles in the middle of their rings give the axis an eighth
+   !! too much mass; the noise of that is damped (flip), not averaged.
+   !! doc/theory/methods_compared.md
    subroutine set_average_defaults(deck, controls)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
       logical, intent(in) :: controls                !! Is the mean stress of the nodes used?
