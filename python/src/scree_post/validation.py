@@ -6,7 +6,7 @@ A family is a folder of input/validation with three files:
   deck.nml     a deck for all shots; what differs between them is named by &define
   data.csv     a line for each shot: its name, inputs, measured quantities, error [%], source and note. A heading may
                have a unit, `length [mm]`. A column is an input unless evaluate.py lists it as a quantity: a name of
-               &define, or a key such as material.preset
+               &define, or a key such as material.preset; a value may be a file of the folder
   evaluate.py  its docstring is the text of the page. QUANTITIES: words and unit of each quantity by name; CELLS: value
                of `cells` of &define, unless it is an input; COARSER: how many times fewer cells the second grid has (2
                by default); SUBJECT: the page, one of SUBJECTS; measure(run, shot): the quantities of a run, in their
@@ -83,7 +83,8 @@ class Family:
     def settings(self, inputs: Mapping[str, str], cells: int) -> dict[str, str]:
         """Keys of the deck for the inputs of a shot."""
         named = {**inputs, "cells": str(cells)}
-        return {key if "." in key else f"define.{key}": value for key, value in named.items()}
+        return {key if "." in key else f"define.{key}": str(file) if (file := self.folder / value).is_file() else value
+                for key, value in named.items()}
 
 
 @dataclass
