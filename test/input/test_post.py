@@ -192,11 +192,14 @@ def test_radiograph_command(work):
 
 
 def test_movie(work):
-    """A film with a missing frame or with frames of different sizes."""
+    """A film with a missing frame or with frames of different sizes, and the file for ParaView that names no series."""
     series, entries = make_series(work, name="film")
+    together = series.removesuffix(".hdf.series") + ".vtkhdf"
+    with open(together, "wb"):
+        pass
     run = call(
         "radiograph",
-        series,
+        together,
         "--last",
         "--movie",
         f"{work}/film.gif",

@@ -29,7 +29,10 @@ DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d", "2d")
 
 
 def series_file(path: str) -> str:
-    """The series at a path: the file itself, or the only series in a folder."""
+    """The series at a path: the file itself, the series beside its CASE_p.vtkhdf, or the only one in a folder."""
+    parts = path.removesuffix(".vtkhdf") + ".hdf.series"
+    if path.endswith(".vtkhdf") and os.path.isfile(parts):
+        return parts
     if os.path.isdir(path):
         found = sorted(name for name in os.listdir(path) if name.endswith("_p.hdf.series"))
         if len(found) == 1:
