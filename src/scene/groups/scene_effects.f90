@@ -129,11 +129,20 @@ contains
       do n = 1, size(keys)
          if (.not. group%known(trim(keys(n)))) cycle
          call group%get(trim(keys(n)), word)
-         text = text//", "//trim(keys(n))//" "//word
-         if (.not. group%given(trim(keys(n)))) text = text//" (default)"
+         text = text//", "//choice(group, trim(keys(n)), word)
       end do
       text = text//new_line("a")
    end function method_line
+
+   !> A key with its value, and whether this is the default.
+   function choice(group, key, word) result(text)
+      type(group_t), intent(in) :: group             !! Has the key
+      character(len=*), intent(in) :: key, word      !! Key and its value
+      character(len=:), allocatable :: text
+
+      text = key//" "//word
+      if (.not. group%given(key)) text = text//" (default)"
+   end function choice
 
    !> Names of the effects that are on, in the order of their declaration: either those that the
    !! deck gives, or those that are on by default.
@@ -187,9 +196,7 @@ contains
          word = "on"
          if (model_names(n) /= "conductivity") call group%get(trim(model_names(n)), word)
          if (word == "none") cycle
-         named = named//" "//trim(model_names(n))//" "//word
-         if (.not. group%given(trim(model_names(n)))) named = named//" (default)"
-         named = named//","
+         named = named//" "//choice(group, trim(model_names(n)), word)//","
       end do
       if (len(named) > 0) named = named(:len(named) - 1)
       text = text//named//new_line("a")

@@ -76,16 +76,14 @@ contains
    subroutine set_shock_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
       real(wp), parameter :: linear = 0.22_wp        !! Coefficient of the linear viscosity [1]
-      character(len=:), allocatable :: normalise
       logical :: acts
       type(group_t) :: effects, group
 
       effects = deck%group("effects", 1)
       call effects%get("artificial_viscosity", acts)
       group = deck%group("method", 1)
-      call group%get("normalise", normalise)
-      if (.not. acts .or. group%given("bulk_q1") .or. group%given("viscosity_limiter") .or. &
-         (group%given("normalise") .and. normalise /= "none")) return
+      if (.not. acts .or. group%given("bulk_q1") .or. group%given("viscosity_limiter")) return
+      if (requests_sums(group)) return
       call deck%set_default("method", 1, "bulk_q1", linear)
       call deck%set_default("method", 1, "viscosity_limiter", "smooth")
    end subroutine set_shock_defaults
@@ -130,14 +128,14 @@ contains
    logical function may_control(deck) result(may)
       type(deck_t), intent(in) :: deck
       class(quadrature_t), allocatable :: rule
-      character(len=:), allocatable :: word, normalise, surface
+      character(len=:), allocatable :: word, surface
       type(group_t) :: group
 
       group = deck%group("method", 1)
-      call group%get("normalise", normalise)
       call group%get("free_surface", surface)
       may = .false.
-      if (surface /= "fill" .or. (group%given("normalise") .and. normalise /= "none")) return
+      if (surface /= "fill") return
+      if (requests_sums(group)) return
       if (group%given("quadrature")) then
          call group%get("quadrature", word)
          call choose_quadrature(word, rule)
@@ -146,6 +144,15 @@ contains
       end if
       may = .true.
    end function may_control
+
+   !> Does the deck itself request normalised sums?
+   logical function requests_sums(group) result(yes)
+      type(group_t), intent(in) :: group             !! &method
+      character(len=:), allocatable :: word
+
+      call group%get("normalise", word)
+      yes = group%given("normalise") .and. word /= "none"
+   end function requests_sums
 
    !> Has some body contact with itself? Its two velocities need the point rule.
    logical function has_self_contact(deck) result(has)
