@@ -23,7 +23,8 @@ done
 if [ -z "${place}" ]; then
    exec "$@"
 fi
-# The other paths are relative too, where they can be: options are part of debug information.
+# The other paths are relative too, where they can be: options are part of debug information, and
+# gfortran 12 has been seen to order components in a finalizer by the length of the paths of modules.
 case "${place}" in
    "${build}") here= ;;
    *)
@@ -47,6 +48,8 @@ for word; do
    esac
    previous="${word}"
    case "${word}" in
+      -I"${place}"/*) word="-I${word#-I"${place}"/}" ;;
+      -J"${place}"/*) word="-J${word#-J"${place}"/}" ;;
       -J/* | -I/* | -J | -I | -module-dir/* | -module-dir) ;;
       -J*) word="-J${here}${word#-J}" ;;
       -module-dir*) word="-module-dir${here}${word#-module-dir}" ;; # flang
