@@ -74,6 +74,7 @@ contains
       if (problem /= "") call problems%error(groups(which)%file("preset"), line, &
          "the preset gives "//reason//without_code(problem)//" [D228]")
       value%given = .true.
+      value%preset = .true.
       value%line = line
       value%file = groups(which)%file("preset")
       groups(which)%values(place) = value

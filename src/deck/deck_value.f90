@@ -17,7 +17,8 @@ module deck_value
    !> The value of one key of one group.
    type :: value_t
       character(len=:), allocatable :: key               !! Name
-      logical :: given = .false.                         !! In the deck or on the command line
+      logical :: given = .false.                         !! In the deck, a preset or a command
+      logical :: preset = .false.                        !! By a preset
       logical :: valid = .true.                          !! No error so far
       logical :: derived = .false.                       !! Derived from other keys
       integer :: line = 0                                !! Line of the key

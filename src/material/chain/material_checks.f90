@@ -57,7 +57,7 @@ contains
          "poisson must be set (above -1, below 0.5), as young is given [D302]", "young")
       if (poisson .and. .not. young) call deck%add_error(group, &
          "young must be set [Pa], as poisson is given [D302]", "poisson")
-      if (derived .and. bulk) call deck%add_error(group, &
+      if (derived .and. group%written("bulk")) call deck%add_error(group, &
          "bulk is not used, as the equation of state gives it; remove it [D349]", "bulk")
       if (shear .and. .not. strong) call deck%add_error(group, &
          "shear is not used by a material without strength; remove it [D349]", "shear")
@@ -186,10 +186,24 @@ contains
       if (group%given("weibull_m") .and. .not. (effects%size_scatter .or. weibull)) &
          call deck%add_error(group, "weibull_m needs &effects size_scatter = .true. [D306]", &
          "weibull_m")
+      if (group%given("spall_time")) call check_fading(material, group, deck)
       fault = failed_law_fault(group, allocated(material%damage) .or. group%given("spall"), &
          material%has_shear())
       if (len(fault) > 0) call deck%add_error(group, fault, "failed_as")
    end subroutine check_failure
+
+   !> Tension that fades needs a strength, and an internal energy that takes up its work.
+   subroutine check_fading(material, group, deck)
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
+      type(group_t), intent(in) :: group             !! &material
+      type(deck_t), intent(inout) :: deck
+
+      if (.not. group%given("spall")) call deck%add_error(group, "spall_time needs spall, the "// &
+         "tension that fades [D364]", "spall_time")
+      if (.not. material%carries_energy() .and. group%written("spall_time")) call deck%add_error(group, "spall_time needs an "// &
+         "eos_model with an internal energy, which takes up the work of the tension; remove "// &
+         "spall_time, or choose such an eos_model [D364]", "spall_time")
+   end subroutine check_fading
 
    !> A law that gives the whole stress excludes other models.
    subroutine check_whole_stress(material, group, deck)

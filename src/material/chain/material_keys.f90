@@ -29,7 +29,8 @@ contains
          range=">= 0")
       call schema%group("method", "numerical method")
       call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity; "// &
-         "default: 0.22 where viscosity_limiter is smooth by default, else 0.06", default="0.06", &
+         "default: 0.22 where viscosity_limiter is smooth by default, 0.3 with metals and other "// &
+         "condensed material that has an internal energy, else 0.06", default="0.06", &
          range=">= 0", owner="effects.artificial_viscosity")
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
@@ -90,6 +91,11 @@ contains
       call schema%words("material", "damage_model", damage_names)
       call schema%real("material", "spall", "spall strength: greatest tension; with &effects "// &
          "damage a particle that reaches it fails", unit="Pa", range="> 0")
+      call schema%real("material", "spall_time", "time in which the tension of a particle that "// &
+         "has reached spall fades while pores grow; default: it fails at once", unit="s", &
+         range="> 0", owner="effects.damage")
+      call schema%forbid_change("material", "spall_time", "the particles store the share of the "// &
+         "strength that has faded")
       call schema%text("material", "volume_from", "volume of loose material: motion, "// &
          "integrated from the velocity gradient; grid, corrected where the nodes have gaps or "// &
          "too many particles", default="motion", words="motion grid", &

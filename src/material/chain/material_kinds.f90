@@ -6,13 +6,34 @@ module material_kinds
    implicit none
    private
 
-   public :: all_gases, any_gas, is_fluid, is_gas, is_loose, may_lock, must_keep_energy, &
-      stores_work, supports_any_shear
+   public :: is_fluid, is_gas, is_loose, matter_of, matter_t, may_lock, stores_work, &
+      supports_any_shear
+
+   !> What kinds of material a deck has, as far as defaults of the method depend on it.
+   type :: matter_t
+      logical :: stored = .false.                    !! All materials store work reversibly
+      logical :: keeps = .false.                     !! The method must keep their energy
+      logical :: gases = .false.                     !! All material is a gas
+      logical :: some_gas = .false.                  !! Some is a gas or an explosive
+      logical :: condensed = .false.                 !! Some that is no gas has an internal energy
+   end type matter_t
 
    !> Poisson's ratio from which on particles keep their volume, so that few cells lock [1]
    real(wp), parameter :: nearly_incompressible = 0.45_wp
 
 contains
+
+   !> Kinds of the materials of a deck.
+   pure function matter_of(materials) result(matter)
+      type(material_t), intent(in) :: materials(:)   !! Materials of the deck
+      type(matter_t) :: matter
+
+      matter%stored = stores_work(materials)
+      matter%keeps = must_keep_energy(materials)
+      matter%gases = all_gases(materials)
+      matter%some_gas = any_gas(materials)
+      matter%condensed = any_condensed(materials)
+   end function matter_of
 
    !> Is a material without strength? Loose grains have strength.
    pure logical function is_fluid(material) result(yes)
@@ -69,6 +90,16 @@ contains
 
       yes = any([(is_gas(materials(index)), index=1, size(materials))])
    end function any_gas
+
+   !> True if some material has an internal energy and is no gas: metals, and rocks and liquids at
+   !! high pressure.
+   pure logical function any_condensed(materials) result(yes)
+      type(material_t), intent(in) :: materials(:)   !! Materials of the deck
+      integer :: index
+
+      yes = any([(materials(index)%carries_energy() .and. .not. is_gas(materials(index)), &
+         index=1, size(materials))])
+   end function any_condensed
 
    !> Is a material a gas, or an explosive whose products are one: without strength, with an
    !! internal energy, and without cohesion at zero energy?

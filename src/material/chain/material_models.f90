@@ -13,6 +13,7 @@ module material_models
    use material_stages, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
       effect_viscosity, effect_voids
    use material_state, only: material_state_t
+   use material_tension, only: request_fading
    use material_viscosity, only: viscosity_t
    use material_voids, only: voids_t
    implicit none
@@ -77,6 +78,7 @@ contains
          call requests%add("damage", "failure", 1)
          call requests%add("failed", "failure", 1)
       end if
+      if (allocated(self%failure%fade)) call request_fading(requests)
       if (self%record%strain) call requests%add("equivalent_strain", "output", 1)
       if (self%record%inertia .and. allocated(self%law)) then
          if (self%law%has_grains()) call requests%add("inertial_number", "output", 1)

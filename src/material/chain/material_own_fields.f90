@@ -7,6 +7,7 @@ module material_own_fields
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
    use material_law, only: law_t
+   use material_tension, only: request_fading
    implicit none
    private
 
@@ -35,6 +36,7 @@ contains
          call choose_damage(trim(damage_names(i)), damage)
          call damage%request(requests)
       end do
+      call request_fading(requests)
       do i = 1, size(requests%entries)
          associate (entry => requests%entries(i))
             if (entry%own) call own%add_own(entry%field, entry%unit, entry%meaning, entry%reason)

@@ -51,7 +51,7 @@ contains
          deck%sound("method") .and. deck%sound("run"))) return
       call group%get("density", self%density)
       call read_moduli(self, group)
-      call read_models(self, group, effects, deck%group("method"))
+      call read_models(self, group, effects)
       call read_failure(self, group, effects, deck%group("run"))
       if (deck%count("detonation") > 0 .and. self%is_gas_of_explosive()) then
          allocate (self%burn)
@@ -105,11 +105,10 @@ contains
    end subroutine read_moduli
 
    !> The models with their constants.
-   subroutine read_models(material, group, effects, method_group)
+   subroutine read_models(material, group, effects)
       class(material_t), intent(inout) :: material
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
-      type(group_t), intent(in) :: method_group      !! &method
 
       if (effects%voids .and. allocated(material%eos)) then
          allocate (material%voids)
@@ -134,8 +133,6 @@ contains
       end if
       if (effects%viscosity) then
          allocate (material%viscosity)
-         call method_group%get("bulk_q1", material%viscosity%linear)
-         call method_group%get("bulk_q2", material%viscosity%quadratic)
       end if
       if (effects%thermal) then
          allocate (material%heat)
@@ -158,6 +155,7 @@ contains
       type(effects_t), intent(in) :: effects
       type(group_t), intent(in) :: run_group         !! &run
       integer :: seed
+      logical :: fades
 
       if (allocated(material%damage)) then
          material%damage%shear = material%shear
@@ -179,7 +177,15 @@ contains
       end if
       if (.not. (allocated(material%damage) .or. group%given("spall"))) return
       allocate (material%failure%fracture)
-      if (group%given("spall")) call group%get("spall", material%failure%fracture%strength)
+      fades = group%given("spall_time")
+      if (fades) fades = material%carries_energy()
+      if (fades) then
+         allocate (material%failure%fade)
+         call group%get("spall", material%failure%fade%strength)
+         call group%get("spall_time", material%failure%fade%time)
+      else if (group%given("spall")) then
+         call group%get("spall", material%failure%fracture%strength)
+      end if
       call choose_failed_law(group, material%shear, material%bulk, material%density, &
          material%failure%failed_law)
       material%failure%fracture%leaves_nothing = keeps_no_stress(group)

@@ -17,8 +17,8 @@ module material_update
       stage_failure, stage_pressure, stage_remove_stress, stage_restore_stress, stage_stress, &
       stage_temperature, stage_trial, stage_viscosity, stage_viscous_work, stage_voids
    use material_state, only: deformation_t, material_state_t
-   use material_tension, only: cut_tension, drop_loose_pressure, fail_particles, &
-      remove_failed_deviator, remove_melted_deviator
+   use material_tension, only: cut_tension, drop_loose_pressure, fade_tension, &
+      fail_particles, remove_failed_deviator, remove_melted_deviator
    use material_viscosity, only: add_viscous_pressure
    use material_voids, only: expand_grains
    implicit none
@@ -154,7 +154,7 @@ contains
          if (allocated(self%failure%softening)) &
             call self%failure%softening%open_cracks(state, deformation, first, last, spacing)
          if (allocated(self%damage)) call self%damage%update(state, deformation, first, last, dt)
-         call limit_tension(self, state, deformation, first, last)
+         call limit_tension(self, state, deformation, first, last, dt)
       case (stage_viscous_work)
          if (allocated(self%viscosity)) call find_viscous_work(state, deformation, first, last)
       case (stage_temperature)
@@ -335,15 +335,18 @@ contains
    end subroutine update_deviator
 
    !> Cut the tension or let particles fail.
-   pure subroutine limit_tension(self, state, deformation, first, last)
+   pure subroutine limit_tension(self, state, deformation, first, last, dt)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first, last                 !! Particles of the range
+      real(wp), intent(in) :: dt                         !! Time step [s]
 
       if (allocated(self%failure%fracture)) then
          call fail_particles(self%failure%fracture, self%shear, self%bulk, state, deformation, &
             first, last)
+         if (allocated(self%failure%fade)) call fade_tension(self%failure%fade, state, &
+            deformation, first, last, dt)
          if (.not. allocated(self%eos)) call drop_loose_pressure(self%density, self%bulk, state, &
             deformation, first, last)
       else if (allocated(self%failure%spall)) then

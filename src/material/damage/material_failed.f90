@@ -17,7 +17,7 @@ module material_failed
    use material_law, only: law_t
    use material_softening, only: softening_t
    use material_state, only: deformation_t, material_state_t
-   use material_tension, only: fracture_t, remove_failed_deviator, spall_t
+   use material_tension, only: fade_t, fracture_t, remove_failed_deviator, spall_t
    implicit none
    private
 
@@ -37,6 +37,7 @@ module material_failed
    type :: failure_t
       type(spall_t), allocatable :: spall            !! Limit of tension without failure
       type(fracture_t), allocatable :: fracture      !! Permanent failure
+      type(fade_t), allocatable :: fade              !! Tensile strength fades in a time
       type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
       type(failed_law_t), allocatable :: failed_law  !! Law of failed material
       integer(int64) :: seed = 0                     !! Seed of the random strength

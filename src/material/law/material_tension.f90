@@ -4,17 +4,27 @@
 !! A failed particle is rubble: it keeps mass and volume, has no deviator and supports no tension.
 module material_tension
    use base_kinds, only: wp
+   use material_field_requests, only: field_requests_t
    use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
-   public :: cut_tension, drop_loose_pressure, fail_particles, fracture_t, &
-      remove_failed_deviator, remove_melted_deviator, spall_t
+   public :: cut_tension, drop_loose_pressure, fade_tension, fade_t, fail_particles, &
+      fracture_t, remove_failed_deviator, remove_melted_deviator, request_fading, spall_t
+
+   !> Field with the share of the tensile strength that has faded.
+   character(len=*), parameter :: faded_field = "spall_faded"
 
    !> Tension cut-off without failure.
    type :: spall_t
       real(wp) :: strength = huge(1.0_wp)            !! Greatest tension [Pa]
    end type spall_t
+
+   !> Tensile strength that fades in a time.
+   type :: fade_t
+      real(wp) :: strength = huge(1.0_wp)            !! Tension at which pores begin to grow [Pa]
+      real(wp) :: time = 0.0_wp                      !! Time in which no tension is left [s]
+   end type fade_t
 
    !> Permanent failure, by damage and by tension.
    type :: fracture_t
@@ -112,6 +122,45 @@ contains
          deformation%pressure(i) = merge(cut, deformation%pressure(i), state%failed(k) /= 0)
       end do
    end subroutine fail_particles
+
+   !> Request the share of the strength that has faded.
+   pure subroutine request_fading(requests)
+      class(field_requests_t), intent(inout) :: requests
+
+      call requests%add_own(faded_field, "1", "share of the spall strength that has faded", &
+         "spall_time")
+   end subroutine request_fading
+
+   !> Cut the tension of particles that have not failed at what is left of their strength. The rest
+   !! fades at a constant rate while tension is at the limit; without rest the damage is complete.
+   !! Equation (A.7b) of doc/theory/matter.md.
+   pure subroutine fade_tension(fade, state, deformation, first, last, dt)
+      type(fade_t), intent(in) :: fade
+      type(material_state_t), intent(inout) :: state       !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp) :: faded, least, share
+      logical :: pulled
+      integer :: i, k, own
+
+      share = dt/fade%time
+      own = state%own_index(faded_field)
+      associate (before => state%own(own)%values)
+         do i = 1, last - first + 1
+            k = first - 1 + i
+            if (state%failed(k) /= 0) cycle
+            least = -fade%strength*(1.0_wp - before(k))
+            pulled = deformation%pressure(i) < least
+            faded = min(1.0_wp, before(k) + merge(share, 0.0_wp, pulled))
+            before(k) = faded
+            least = -fade%strength*(1.0_wp - faded)
+            deformation%pressure_floor(i) = least
+            deformation%pressure(i) = max(deformation%pressure(i), least)
+            state%damage(k) = merge(1.0_wp, state%damage(k), faded >= 1.0_wp)
+         end do
+      end associate
+   end subroutine fade_tension
 
    !> Without equation of state the mean stress does not depend on voids: rubble less dense than the
    !! material supports no pressure, and its wave speed is at most that of the material.

@@ -7,6 +7,7 @@ module scene_method
    use ddmp_dual, only: surface_names
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
+   use material_kinds, only: matter_t
    use scene_method_defaults, only: set_method_defaults
    use scene_dimension, only: is_dual
    use step_method, only: method_t, position_of, stress_after, stress_names
@@ -134,19 +135,16 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine read_method(method, deck, stored, keeps, gases, some_gas)
+   subroutine read_method(method, deck, matter)
       type(method_t), intent(inout) :: method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: stored                  !! Do all materials store work reversibly?
-      logical, intent(in) :: keeps                   !! Must the method keep their energy?
-      logical, intent(in) :: gases                   !! Is all material a gas?
-      logical, intent(in) :: some_gas                !! Is some material a gas or an explosive?
+      type(matter_t), intent(in) :: matter           !! Kinds of the materials
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
       class(basis_t), allocatable :: functions
       logical :: linear
 
-      call set_method_defaults(deck, stored, keeps, gases, some_gas)
+      call set_method_defaults(deck, matter)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)

@@ -7,6 +7,7 @@ module scene_method_defaults
    use deck_reader, only: deck_t, group_t
    use ddmp_catalogue, only: choose_quadrature
    use ddmp_quadrature, only: quadrature_t
+   use material_kinds, only: matter_t
    use scene_cell, only: has_cell, set_cell_defaults
    use scene_dimension, only: is_axisymmetric, is_dual
    use step_method, only: stress_after, stress_average, stress_names, stress_remapped
@@ -21,34 +22,35 @@ contains
 
    !> Set the defaults of &method that depend on other keys and on the material, and refuse
    !! incompatible keys.
-   subroutine set_method_defaults(deck, stored, keeps, gases, some_gas)
+   subroutine set_method_defaults(deck, matter)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: stored                  !! Do all materials store work reversibly?
-      logical, intent(in) :: keeps                   !! Must the method keep their energy?
-      logical, intent(in) :: gases                   !! Is all material a gas?
-      logical, intent(in) :: some_gas                !! Is some, or an explosive?
+      type(matter_t), intent(in) :: matter           !! Kinds of the materials
       logical :: averages, controls, axisymmetric
 
       axisymmetric = is_axisymmetric(deck)
       averages = .false.
-      if (keeps) averages = may_average(deck)
+      if (matter%keeps) averages = may_average(deck)
       controls = .false.
-      if (averages .and. stored .and. .not. axisymmetric) then
+      if (averages .and. matter%stored .and. .not. axisymmetric) then
          controls = may_control(deck)
          averages = controls
       end if
       if (averages) call set_average_defaults(deck, controls)
-      if (averages .and. .not. stored) call set_shock_defaults(deck)
+      if (averages .and. .not. matter%stored) then
+         call set_limited_viscosity(deck)
+      else if (matter%condensed) then
+         call set_metal_viscosity(deck)
+      end if
       call set_dependent_defaults(deck, averages)
       call set_cell_defaults(deck)
-      if (stored .and. .not. averages) call set_contact_default(deck)
+      if (matter%stored .and. .not. averages) call set_contact_default(deck)
       if (has_average(deck)) then
-         if (stored .and. .not. axisymmetric) call set_elastic_defaults(deck)
+         if (matter%stored .and. .not. axisymmetric) call set_elastic_defaults(deck)
          call set_axial_default(deck)
          call set_turn_default(deck)
       end if
       call check_normalise(deck)
-      if (some_gas) call set_split_default(deck, gases)
+      if (matter%some_gas) call set_split_default(deck, matter%gases)
    end subroutine set_method_defaults
 
    !> Solids and liquids without internal energy keep their energy with the strain of two
@@ -73,20 +75,38 @@ contains
    !> The strain of two velocities does not damp the oscillations behind weak shocks. A
    !! viscosity that resists jumps alone does, and damps smooth waves less than the weaker one that
    !! resists all compression. doc/theory/viscosity.md
-   subroutine set_shock_defaults(deck)
+   subroutine set_limited_viscosity(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
       real(wp), parameter :: linear = 0.22_wp        !! Coefficient of the linear viscosity [1]
-      logical :: acts
-      type(group_t) :: effects, group
+      type(group_t) :: group
 
-      effects = deck%group("effects", 1)
-      call effects%get("artificial_viscosity", acts)
       group = deck%group("method", 1)
-      if (.not. acts .or. group%given("bulk_q1") .or. group%given("viscosity_limiter")) return
+      if (.not. may_set_viscosity(deck) .or. group%given("viscosity_limiter")) return
       if (requests_sums(group)) return
       call deck%set_default("method", 1, "bulk_q1", linear)
       call deck%set_default("method", 1, "viscosity_limiter", "smooth")
-   end subroutine set_shock_defaults
+   end subroutine set_limited_viscosity
+
+   !> The jump of a shock in a condensed material is small beside the speed of sound, so that the
+   !! quadratic viscosity does not reach. Heat takes up the work of the linear one.
+   !! doc/theory/viscosity.md
+   subroutine set_metal_viscosity(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets the default
+      real(wp), parameter :: linear = 0.3_wp         !! Coefficient of the linear viscosity [1]
+
+      if (may_set_viscosity(deck)) call deck%set_default("method", 1, "bulk_q1", linear)
+   end subroutine set_metal_viscosity
+
+   !> Has the deck artificial viscosity and leaves its linear coefficient open?
+   logical function may_set_viscosity(deck) result(may)
+      type(deck_t), intent(in) :: deck
+      type(group_t) :: effects, group
+
+      effects = deck%group("effects", 1)
+      call effects%get("artificial_viscosity", may)
+      group = deck%group("method", 1)
+      may = may .and. .not. group%given("bulk_q1")
+   end function may_set_viscosity
 
    !> Is the strain that of two velocities, by the deck or by a default that is set?
    logical function has_average(deck) result(has)

@@ -4,7 +4,7 @@
 module scene_setup
    use base_kinds, only: wp
    use deck_reader, only: deck_t, group_t
-   use material_kinds, only: all_gases, any_gas, must_keep_energy, stores_work
+   use material_kinds, only: matter_of
    use material_record, only: read_record
    use particle_body, only: body_t
    use scene_absorbing, only: read_absorbing
@@ -45,9 +45,8 @@ contains
       integer :: n
 
       call read_materials(deck, simulation)
-      call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
-         must_keep_energy(simulation%materials), all_gases(simulation%materials), &
-         any_gas(simulation%materials))
+      call read_method(simulation%scheme%method, deck, &
+         matter_of(simulation%materials))
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)
@@ -155,6 +154,7 @@ contains
          associate (material => simulation%materials(index), grid => simulation%space%grid)
             if (allocated(material%viscosity)) then
                call group%get("bulk_q1", material%viscosity%linear)
+               call group%get("bulk_q2", material%viscosity%quadratic)
                material%viscosity%limited = simulation%scheme%method%limited
             end if
             if (grid%axisymmetric .or. .not. allocated(material%damage)) cycle
