@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Update of a material in a time step: a chain of models, each only if requested. Its links are
-!! equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
+!! equations (A.1) to (A.14) of doc/theory/matter.md and those of the laws.
 module material_update
    use base_elementary, only: exponential
    use base_kinds, only: int64, wp

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Ductile damage of Johnson and Cook (1985): the sum of plastic increments over the strain to
 !! failure (D1 + D2 exp(D3 s)) (1 + D4 ln(rate/rate0)) (1 + D5 T*), with s the ratio of mean
-!! stress, positive in tension, to equivalent stress. Equations (A.9) and (A.10) of
+!! stress, positive in tension, to equivalent stress. Equations (A.10) and (A.11) of
 !! doc/theory/matter.md.
 module damage_johnson_cook
    use base_elementary, only: take_exponentials, take_logarithms

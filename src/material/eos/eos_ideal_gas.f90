@@ -74,7 +74,7 @@ contains
       end do
    end subroutine ideal_gas_update
 
-   !> Grueneisen parameter gamma - 1 times density at the middle of the step. Equation (A.13) of
+   !> Grueneisen parameter gamma - 1 times density at the middle of the step. Equation (A.14) of
    !! doc/theory/matter.md.
    pure subroutine ideal_gas_find_gruneisen(self, state, deformation, first, last)
       class(eos_ideal_gas_t), intent(in) :: self

@@ -84,7 +84,7 @@ contains
    !! rubble, unless a law of failed material updates their deviator. The elastic energy that a
    !! particle loses on failing is recorded as plastic work. The least pressure of failed particles
    !! is 0 and their tension is removed; that of the others is minus the tensile strength. Equations
-   !! (A.7) and (A.8) of doc/theory/matter.md.
+   !! (A.7) and (A.9) of doc/theory/matter.md.
    pure subroutine fail_particles(fracture, shear, bulk, state, deformation, first, last)
       type(fracture_t), intent(in) :: fracture
       real(wp), intent(in) :: shear                        !! Shear modulus, 0: no deviator [Pa]
@@ -133,7 +133,7 @@ contains
 
    !> Cut the tension of particles that have not failed at what is left of their strength. The rest
    !! fades at a constant rate while tension is at the limit; without rest the damage is complete.
-   !! Equation (A.7b) of doc/theory/matter.md.
+   !! Equation (A.8) of doc/theory/matter.md.
    pure subroutine fade_tension(fade, state, deformation, first, last, dt)
       type(fade_t), intent(in) :: fade
       type(material_state_t), intent(inout) :: state       !! State of the store

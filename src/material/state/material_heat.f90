@@ -42,7 +42,7 @@ contains
    !! v')); for constant Gamma, as in a gas, it is T (v/v')**Gamma to third order. The heat of
    !! plastic work and of artificial viscosity is added. Where the material is at its least
    !! pressure, voids open or close and the material itself keeps its volume and temperature.
-   !! Equations (A.12) and (A.13) of doc/theory/matter.md.
+   !! Equations (A.13) and (A.14) of doc/theory/matter.md.
    pure subroutine heat_particles(specific_heat, plastic_share, state, deformation, first, last)
       real(wp), intent(in) :: specific_heat          !! Specific heat at constant volume [J/(kg K)]
       real(wp), intent(in) :: plastic_share !! Fraction of plastic work that becomes heat [1]
@@ -71,7 +71,7 @@ contains
    end subroutine heat_particles
 
    !> Temperature on a scale from 0 at the reference to 1 at melting, clipped to it; 0 without
-   !! range. Equation (A.11).
+   !! range. Equation (A.12).
    pure subroutine homologous_temperature(range, state, deformation, first, last)
       type(melting_range_t), allocatable, intent(in) :: range
       type(material_state_t), intent(in) :: state          !! State of the store

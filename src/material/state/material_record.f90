@@ -36,7 +36,7 @@ contains
    end function read_record
 
    !> Add the equivalent strain sqrt(2/3 e:e) of the step, e the deviator of the symmetric gradient.
-   !! Simple shear by an angle of tangent g adds g/sqrt(3). Equation (A.17) of doc/theory/matter.md.
+   !! Simple shear by an angle of tangent g adds g/sqrt(3). Equation (A.18) of doc/theory/matter.md.
    pure subroutine add_strain(first, last, plane, gradient, strain)
       integer, intent(in) :: first, last             !! Particles of the range
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0

@@ -170,7 +170,7 @@ contains
    end subroutine find_stable_step
 
    !> Greatest time step that conduction allows [s]: half of the square of the spacing over the
-   !! diffusivity and the number of directions. Equation (A.16) of
+   !! diffusivity and the number of directions. Equation (A.17) of
    !! doc/theory/matter.md.
    pure real(wp) function conduction_step(spacing, dimensions, diffusivity) result(dt)
       real(wp), intent(in) :: spacing                !! Spacing of the grid [m]

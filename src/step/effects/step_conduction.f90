@@ -302,7 +302,7 @@ contains
    end subroutine as_vector
 
    !> Contribution of the particles of a tile to the nodes: heat, and heat that nodes do not
-   !! resolve: (A.14).
+   !! resolve: (A.15).
    subroutine spread_flow(space, materials, stores, method, heat, scratch, tile, dt, patch)
       type(space_t), intent(in) :: space
       type(material_t), intent(in) :: materials(:)
@@ -392,7 +392,7 @@ contains
    end subroutine push_particles
 
    !> The part of the particle temperatures that nodes do not resolve and that decays in this step,
-   !! in the first column of the scratch vector [K]. The second of (A.15).
+   !! in the first column of the scratch vector [K]. The second of (A.16).
    subroutine find_hidden(grid, material, store, method, heat, scratch, tile, dt)
       type(grid_t), intent(in) :: grid
       type(material_t), intent(in) :: material
@@ -441,7 +441,7 @@ contains
    end subroutine push_tile
 
    !> New temperatures of the particles of a tile. The heat gained or lost by material without
-   !! internal energy is recorded, so that the energy balance closes. The first of (A.15).
+   !! internal energy is recorded, so that the energy balance closes. The first of (A.16).
    subroutine give_heat(space, materials, stores, method, heat, scratch, tile, dt)
       type(space_t), intent(in) :: space
       type(material_t), intent(in) :: materials(:)
