@@ -46,7 +46,7 @@ contains
       call chain%allocate_state(self%state, 1)
       call self%deformation%reserve(1)
       self%state%volume = self%volume
-      self%state%mass = chain%density*self%volume
+      self%state%mass = chain%free_density(self%temperature)*self%volume
       call chain%start(self%state, 1, 1, self%temperature)
       if (chain%starts_with_energy() .or. has_energy(self%state, 1, 1)) &
          call chain%find_rest_stress(self%state, 1, 1)
@@ -192,7 +192,7 @@ contains
       class(chain_t), intent(in) :: chain
       real(wp), allocatable, intent(out) :: table(:, :) !! (column, row)
       real(wp), parameter :: densest = 0.02_wp       ! least ratio of the densities
-      real(wp) :: low, high, ratio, speed, pressure
+      real(wp) :: low, high, ratio, speed, pressure, density
       integer :: step, iteration
 
       allocate (table(5, point%steps))
@@ -203,6 +203,7 @@ contains
          do iteration = 1, most_iterations
             ratio = 0.5_wp*(low + high)
             call point%start(chain)
+            density = point%state%mass(1)/point%volume
             point%state%volume = point%volume*ratio
             if (allocated(point%state%energy)) point%state%energy = &
                chain%start_energy(point%temperature) + 0.5_wp*speed**2
@@ -211,7 +212,7 @@ contains
             ! Outside its range a table has no pressure; such a state counts as too dense.
             if (ieee_is_nan(pressure)) then
                low = ratio
-            else if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then
+            else if (pressure*(1.0_wp - ratio) > density*speed**2) then
                low = ratio
             else
                high = ratio
@@ -219,7 +220,7 @@ contains
          end do
          ! no state has the pressure of this speed
          if (ratio < 1.001_wp*densest) pressure = ieee_value(pressure, ieee_quiet_nan)
-         table(:, step) = [speed, speed/(1.0_wp - ratio), pressure, chain%density/ratio, &
+         table(:, step) = [speed, speed/(1.0_wp - ratio), pressure, density/ratio, &
             0.5_wp*speed**2]
       end do
    end subroutine shock

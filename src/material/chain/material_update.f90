@@ -30,6 +30,7 @@ module material_update
    type, extends(models_t) :: chain_t
    contains
       procedure :: find_rest_stress => chain_find_rest_stress !! Stress of a given state at rest
+      procedure :: free_density => chain_free_density         !! Density at a temperature, unloaded
       procedure :: update => chain_update            !! One time step
       procedure :: run_stage => chain_run_stage               !! One stage of it
       procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
@@ -54,6 +55,59 @@ contains
       deformation%jump = 0.0_wp
       call self%update(state, deformation, first, last, instant, 1.0_wp)
    end subroutine chain_find_rest_stress
+
+   !> Density of unloaded material at a temperature [kg/m3]: it has expanded since t_ref until its
+   !! pressure was zero. That of the reference state where the pressure does not follow the
+   !! temperature, for gases, explosives, tables and porous material, and if there is none, as above
+   !! boiling. Equation (E.3) of doc/theory/equations_of_state.md, by the secant method.
+   pure real(wp) function chain_free_density(self, temperature) result(density)
+      class(chain_t), intent(in) :: self
+      real(wp), intent(in) :: temperature            !! [K]
+      integer, parameter :: rounds = 40
+      real(wp), parameter :: lightest = 0.5_wp       ! of the reference state, less has boiled [1]
+      real(wp) :: share, before, found, earlier, step
+      integer :: round
+
+      density = self%density
+      if (.not. (allocated(self%eos) .and. allocated(self%heat)) .or. allocated(self%voids)) return
+      if (.not. self%reference_speed() > 0.0_wp .or. self%eos%starts_with_energy() &
+         .or. self%eos%has_pores() .or. self%eos%cold_temperature(self%heat%reference) < 0.0_wp) &
+         return
+      if (.not. self%carries_energy()) return
+      if (allocated(self%law)) then
+         if (self%law%grows_pores()) return
+      end if
+      before = 1.0_wp
+      call find_pressure(before, earlier)
+      share = 1.0_wp - earlier/self%bulk
+      do round = 1, rounds
+         if (share < lightest .or. share > 1.0_wp/lightest) return
+         call find_pressure(share, found)
+         if (.not. abs(found - earlier) > 0.0_wp) exit
+         step = found*(share - before)/(found - earlier)
+         before = share
+         earlier = found
+         share = share - step
+         if (abs(step) <= epsilon(1.0_wp)) exit
+      end do
+      if (abs(found) <= 1.0e-9_wp*self%bulk) density = share*self%density
+
+   contains
+
+      !> Pressure at a fraction of the density of reference.
+      pure subroutine find_pressure(share, pressure)
+         real(wp), intent(in) :: share               !! [1]
+         real(wp), intent(out) :: pressure           !! [Pa]
+         type(material_state_t) :: state
+
+         call self%allocate_state(state, 1)
+         state%volume = 1.0_wp
+         state%mass = self%density*share
+         call self%start(state, 1, 1, temperature)
+         call self%find_rest_stress(state, 1, 1)
+         pressure = -(state%stress(1, 1) + state%stress(1, 2) + state%stress(1, 3))/3.0_wp
+      end subroutine find_pressure
+   end function chain_free_density
 
    !> Fastest signal [m/s] of a range of particles in their present state, for the first time step
    !! of material that does not start in the reference state.

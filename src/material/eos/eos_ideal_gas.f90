@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Equation of state of an ideal gas with constant heat capacities: p = (gamma - 1) rho e.
 !!
-!! It has no reference state without pressure: bodies of gas need an initial energy. Equation (E.14)
+!! It has no reference state without pressure: bodies of gas need an initial energy. Equation (E.15)
 !! of doc/theory/equations_of_state.md.
 module eos_ideal_gas
    use base_kinds, only: wp

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Linear equation of state: p = K (rho/rho0 - 1). Equation (E.3) of
+!> Linear equation of state: p = K (rho/rho0 - 1). Equation (E.4) of
 !! doc/theory/equations_of_state.md.
 module eos_linear
    use base_elementary, only: logarithm

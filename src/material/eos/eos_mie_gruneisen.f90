@@ -4,8 +4,8 @@
 !! With y = rho/rho0, eta = 1 - 1/y and K = rho0 c0**2, in compression (y > 1) p = pH (1 - Gamma0
 !! eta/2) + Gamma0 rho0 e with pH = K eta/(1 - s eta)**2. In expansion (y < 1) the cold material has
 !! the energy c0**2 (1 - y)**2/2 and the pressure K y**2 (y - 1), and heat above it adds Gamma rho
-!! heat, where Gamma changes from Gamma0 to its value in the vapour. Equations (E.5), (E.6),
-!! (E.7) and (E.8) of doc/theory/equations_of_state.md.
+!! heat, where Gamma changes from Gamma0 to its value in the vapour. Equations (E.6), (E.7),
+!! (E.8) and (E.9) of doc/theory/equations_of_state.md.
 module eos_mie_gruneisen
    use base_kinds, only: wp
    use deck_group_values, only: group_t
@@ -118,7 +118,7 @@ contains
    end subroutine mie_gruneisen_update
 
    !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de, of one state. Without
-   !! branches, so that loops over it vectorise. Equations (E.1) and (E.5) to (E.8).
+   !! branches, so that loops over it vectorise. Equations (E.1) and (E.6) to (E.9).
    pure subroutine mie_gruneisen_state(density, sound, slope, gamma, ratio, energy, pressure, &
       square)
       real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
@@ -157,7 +157,7 @@ contains
       square = max(least_sound**2*stiff, square)
    end subroutine mie_gruneisen_state
 
-   !> Grueneisen parameter times density at the middle of the step. Equation (E.7).
+   !> Grueneisen parameter times density at the middle of the step. Equation (E.8).
    pure subroutine mie_gruneisen_find_gruneisen(self, state, deformation, first, last)
       class(eos_mie_gruneisen_t), intent(in) :: self
       type(material_state_t), intent(in) :: state          !! State of the store

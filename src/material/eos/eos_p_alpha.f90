@@ -6,7 +6,7 @@
 !! e)/alpha with the pressure ps of the solid, here that of Mie and Grueneisen. Up to the elastic
 !! limit alpha is constant; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1) ((pc -
 !! p)/(pc - pe))**2 to the pressure pc at which all pores are closed. Crushing is permanent.
-!! Equations (E.12) and (E.13) of doc/theory/equations_of_state.md.
+!! Equations (E.13) and (E.14) of doc/theory/equations_of_state.md.
 module eos_p_alpha
    use base_kinds, only: wp
    use deck_group_values, only: group_t

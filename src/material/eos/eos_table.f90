@@ -2,7 +2,7 @@
 !> Equation of state given as a table of pressures and energies over density and temperature.
 !!
 !! Particles carry their energy, from which the table finds the temperature and with it the
-!! pressure. A run stores each table once. Equations (E.15) to (E.18) of
+!! pressure. A run stores each table once. Equations (E.16) to (E.19) of
 !! doc/theory/equations_of_state.md.
 module eos_table
    use base_constants, only: most_lanes

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Equation of state of Tait and Murnaghan: p = K/n ((rho/rho0)**n - 1). Equation (E.4) of
+!> Equation of state of Tait and Murnaghan: p = K/n ((rho/rho0)**n - 1). Equation (E.5) of
 !! doc/theory/equations_of_state.md.
 module eos_tait
    use base_elementary, only: logarithm, power, take_fast_powers

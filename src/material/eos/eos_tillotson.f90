@@ -7,7 +7,7 @@
 !! expanded, for mu < 0 and e >= e_cv, with x = 1/eta - 1, p = a rho e + (b rho e/w + A mu exp(-beta
 !! x)) exp(-alpha x**2); between the two energies linear in e from one to the other. The published
 !! form has A mu for all mu < 0: its tension does not vanish as the density tends to 0. Equations
-!! (E.9), (E.10) and (E.11) of doc/theory/equations_of_state.md.
+!! (E.10), (E.11) and (E.12) of doc/theory/equations_of_state.md.
 module eos_tillotson
    use base_elementary, only: exponential
    use base_kinds, only: wp

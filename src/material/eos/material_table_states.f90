@@ -2,7 +2,7 @@
 !> A table of states: pressure and energy over density and temperature, and its values in between.
 !!
 !! Values are bilinear in density and temperature, so the energy at a density increases piecewise
-!! linearly with the temperature and is inverted exactly. Equations (E.15) to (E.18) of
+!! linearly with the temperature and is inverted exactly. Equations (E.16) to (E.19) of
 !! doc/theory/equations_of_state.md.
 module material_table_states
    use base_constants, only: most_lanes
@@ -70,7 +70,7 @@ contains
       end do
    end subroutine states_complete
 
-   !> Square of the sound speed at a node from differences of second order. Equation (E.17).
+   !> Square of the sound speed at a node from differences of second order. Equation (E.18).
    pure real(wp) function square_at(self, i, j) result(square)
       class(state_table_t), intent(in) :: self
       integer, intent(in) :: i                       !! Index in the densities
@@ -109,7 +109,7 @@ contains
    end function slope
 
    !> Inconsistency of a cell: difference of rho**2 de/drho and p - T dp/dT in its middle, over the
-   !! bulk modulus. The greatest one is kept. Equation (E.18).
+   !! bulk modulus. The greatest one is kept. Equation (E.19).
    pure subroutine note_inconsistency(self, i, j)
       class(state_table_t), intent(inout) :: self
       integer, intent(in) :: i                       !! Density below the cell
@@ -137,8 +137,8 @@ contains
    end subroutine note_inconsistency
 
    !> Cells of states by bisection, all states together, and the local coordinates in them. A state
-   !! outside has a coordinate below 0 or above 1 in a cell at the edge. Equations (E.15) and
-   !! (E.16).
+   !! outside has a coordinate below 0 or above 1 in a cell at the edge. Equations (E.16) and
+   !! (E.17).
    pure subroutine states_find_cells(self, lanes)
       class(state_table_t), intent(in) :: self
       type(cell_lanes_t), intent(inout) :: lanes    !! Densities and energies in, cells out

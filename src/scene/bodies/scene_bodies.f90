@@ -59,9 +59,9 @@ contains
          "y, z", unit="m", default="0 0 0")
       call schema%real("body", "spin(3)", "initial angular velocity about the centre of mass", &
          unit="1/s", default="0 0 0")
-      call schema%real("body", "temperature", "initial temperature; energy and pressure are "// &
-         "those of the law at the density of the material; default: that of "// &
-         "specific_energy, else t_ref", unit="K", range=">= 0", owner="effects.thermal")
+      call schema%real("body", "temperature", "initial temperature; a solid or liquid has "// &
+         "expanded since t_ref and has no pressure, a gas has the density of the material; "// &
+         "default: that of specific_energy, else t_ref", unit="K", range=">= 0", owner="effects.thermal")
       call schema%real("body", "specific_energy", &
          "initial internal energy per mass, for materials that have one", unit="J/kg", &
          default="0.0", range=">= 0")
@@ -163,9 +163,9 @@ contains
             end if
             if (group%given("velocity_formula")) call group%list("velocity_formula", body%formula)
             call group%get("spin", body%spin)
+            body%density = simulation%materials(body%store)%density
             if (deck%sound("material", body%store)) &
                call read_heat(deck, group, simulation%materials(body%store), body)
-            body%density = simulation%materials(body%store)%density
             where (.not. simulation%space%grid%active)
                body%per_cell = 1
                body%velocity = 0.0_wp
@@ -215,7 +215,7 @@ contains
       end if
    end subroutine read_points
 
-   !> Internal energy and temperature at the start, of a material that carries them.
+   !> Internal energy, temperature and density at the start, of a material that carries them.
    subroutine read_heat(deck, group, material, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &body
@@ -231,6 +231,7 @@ contains
       if (.not. allocated(material%heat)) return
       body%temperature = material%heat%reference
       if (group%given("temperature")) call group%get("temperature", body%temperature)
+      if (.not. body%energy > 0.0_wp) body%density = material%free_density(body%temperature)
       of_energy = material%temperature_of(body%energy)
       if (.not. (body%energy > 0.0_wp .and. of_energy >= 0.0_wp)) return
       if (.not. group%given("temperature")) then
