@@ -29,8 +29,9 @@ contains
          range=">= 0")
       call schema%group("method", "numerical method")
       call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity; "// &
-         "default: 0.22 where viscosity_limiter is smooth by default, 0.3 with metals and other "// &
-         "condensed material that has an internal energy, else 0.06", default="0.06", &
+         "default: 0.3 with metals and other condensed material that has an internal energy, "// &
+         "0.22 with solids that break and liquids without one, both with viscosity_limiter = "// &
+         "'smooth', else 0.06", default="0.06", &
          range=">= 0", owner="effects.artificial_viscosity")
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")

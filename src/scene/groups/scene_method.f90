@@ -125,8 +125,8 @@ contains
       call schema%text("method", "viscosity_limiter", "part of the compression that artificial "// &
          "viscosity resists: smooth, the compression less the part that the surrounding node "// &
          "gradients predict, so that smoothly converging flow is not heated; none, all of it; "// &
-         "default: smooth where stress_update is usavg by default and some material is not "// &
-         "elastic", &
+         "default: smooth with metals and other condensed material that has an internal energy, "// &
+         "and where stress_update is usavg by default and some material is not elastic", &
          default="none", words="none smooth", &
          owner="effects.artificial_viscosity & run.method = ddmp")
       call schema%real("method", "heat_flux", &

@@ -37,9 +37,9 @@ contains
       end if
       if (averages) call set_average_defaults(deck, controls)
       if (averages .and. .not. matter%stored) then
-         call set_limited_viscosity(deck)
-      else if (matter%condensed) then
-         call set_metal_viscosity(deck)
+         if (.not. requests_sums(deck%group("method", 1))) call set_viscosity(deck, 0.22_wp)
+      else if (matter%condensed .and. is_dual(deck)) then
+         call set_viscosity(deck, 0.3_wp)
       end if
       call set_dependent_defaults(deck, averages)
       call set_cell_defaults(deck)
@@ -72,41 +72,24 @@ contains
          call deck%set_default("method", 1, "quadrature", "control")
    end subroutine set_average_defaults
 
-   !> The strain of two velocities does not damp the oscillations behind weak shocks. A
-   !! viscosity that resists jumps alone does, and damps smooth waves less than the weaker one that
-   !! resists all compression. doc/theory/viscosity.md
-   subroutine set_limited_viscosity(deck)
+   !> Weak shocks overshoot and ring: their jump is small beside the speed of sound, so that the
+   !! quadratic viscosity does not reach, and the strain of two velocities does not damp. A linear
+   !! viscosity that resists jumps alone does, and damps smooth waves no more than a weak one that
+   !! resists all compression. Metals, whose heat takes up its work, get more of it. Materials with
+   !! normalised sums have a limiter of their own. doc/theory/viscosity.md
+   subroutine set_viscosity(deck, linear)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
-      real(wp), parameter :: linear = 0.22_wp        !! Coefficient of the linear viscosity [1]
-      type(group_t) :: group
-
-      group = deck%group("method", 1)
-      if (.not. may_set_viscosity(deck) .or. group%given("viscosity_limiter")) return
-      if (requests_sums(group)) return
-      call deck%set_default("method", 1, "bulk_q1", linear)
-      call deck%set_default("method", 1, "viscosity_limiter", "smooth")
-   end subroutine set_limited_viscosity
-
-   !> The jump of a shock in a condensed material is small beside the speed of sound, so that the
-   !! quadratic viscosity does not reach. Heat takes up the work of the linear one.
-   !! doc/theory/viscosity.md
-   subroutine set_metal_viscosity(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck, gets the default
-      real(wp), parameter :: linear = 0.3_wp         !! Coefficient of the linear viscosity [1]
-
-      if (may_set_viscosity(deck)) call deck%set_default("method", 1, "bulk_q1", linear)
-   end subroutine set_metal_viscosity
-
-   !> Has the deck artificial viscosity and leaves its linear coefficient open?
-   logical function may_set_viscosity(deck) result(may)
-      type(deck_t), intent(in) :: deck
+      real(wp), intent(in) :: linear                 !! Coefficient of the linear viscosity [1]
+      logical :: acts
       type(group_t) :: effects, group
 
       effects = deck%group("effects", 1)
-      call effects%get("artificial_viscosity", may)
+      call effects%get("artificial_viscosity", acts)
       group = deck%group("method", 1)
-      may = may .and. .not. group%given("bulk_q1")
-   end function may_set_viscosity
+      if (.not. acts .or. group%given("bulk_q1") .or. group%given("viscosity_limiter")) return
+      call deck%set_default("method", 1, "bulk_q1", linear)
+      call deck%set_default("method", 1, "viscosity_limiter", "smooth")
+   end subroutine set_viscosity
 
    !> Is the strain that of two velocities, by the deck or by a default that is set?
    logical function has_average(deck) result(has)
@@ -343,7 +326,8 @@ contains
          "no viscosity_limiter = 'smooth' or paper = .true.; write 'none' [D355]", "normalise")
    end subroutine check_normalise
 
-   !> Does the rule of the dual gradient allow normalised sums?
+   !> Does the rule of the dual gradient allow normalised sums? With a limiter that is set for
+   !! metals by default, materials with such sums keep their own.
    logical function may_normalise(deck) result(may)
       type(deck_t), intent(in) :: deck
       character(len=:), allocatable :: limiter, surface, word
@@ -357,7 +341,9 @@ contains
       call group%get("free_surface", surface)
       call group%get("viscosity_limiter", limiter)
       call group%get("paper", paper)
-      may = allocated(quadrature) .and. .not. paper .and. surface == "fill" .and. limiter == "none"
+      may = allocated(quadrature) .and. .not. paper .and. surface == "fill"
+      if (may .and. limiter /= "none") may = .not. (group%given("viscosity_limiter") .or. &
+         has_average(deck))
       if (may) may = quadrature%is_plain()
    end function may_normalise
 
