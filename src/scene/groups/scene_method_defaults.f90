@@ -25,9 +25,10 @@ contains
    subroutine set_method_defaults(deck, matter)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       type(matter_t), intent(in) :: matter           !! Kinds of the materials
-      logical :: averages, controls, axisymmetric
+      logical :: averages, controls, axisymmetric, dual
 
       axisymmetric = is_axisymmetric(deck)
+      dual = is_dual(deck)
       averages = .false.
       if (matter%keeps) averages = may_average(deck)
       controls = .false.
@@ -38,7 +39,7 @@ contains
       if (averages) call set_average_defaults(deck, controls)
       if (averages .and. .not. matter%stored) then
          if (.not. requests_sums(deck%group("method", 1))) call set_viscosity(deck, 0.22_wp)
-      else if (matter%condensed .and. is_dual(deck)) then
+      else if (matter%condensed .and. dual) then
          call set_viscosity(deck, 0.3_wp)
       end if
       call set_dependent_defaults(deck, averages)
@@ -332,7 +333,7 @@ contains
       type(deck_t), intent(in) :: deck
       character(len=:), allocatable :: limiter, surface, word
       class(quadrature_t), allocatable :: quadrature
-      logical :: paper
+      logical :: paper, averages
       type(group_t) :: group
 
       group = deck%group("method", 1)
@@ -342,8 +343,9 @@ contains
       call group%get("viscosity_limiter", limiter)
       call group%get("paper", paper)
       may = allocated(quadrature) .and. .not. paper .and. surface == "fill"
-      if (may .and. limiter /= "none") may = .not. (group%given("viscosity_limiter") .or. &
-         has_average(deck))
+      averages = has_average(deck)
+      if (limiter /= "none") may = may .and. .not. (averages .or. &
+         group%given("viscosity_limiter"))
       if (may) may = quadrature%is_plain()
    end function may_normalise
 

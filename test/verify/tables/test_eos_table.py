@@ -45,8 +45,8 @@ TUBE = """
 &output  name='p'  kind='particles'  count=1  precision='double'
   fields='identity','pressure','density','velocity','energy' /
 """
-# Gases are split by default, and a table is not known to be one.
-GAS_METHOD = "split=.false."
+# Gases are split by default and have a weak viscosity, and a table is not known to be one.
+GAS_METHOD = "split=.false.  bulk_q1=0.06"
 
 BAR = """
 &run  dimension='1d' /
