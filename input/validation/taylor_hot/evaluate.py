@@ -5,7 +5,7 @@ Bars that are heated before they strike a hard wall. Axisymmetric, smooth rigid 
 failure; the length follows from the velocity of the rear end, the foot from the lowest row of particles. Data: W. H.
 Gust (1982), as tabulated in github.com/bbanerjee/HighRateExptData, without a stated error. Choice of the constants:
 presets, fitted to torsion and tension tests at low and high rates; most of the bars are hotter than those tests. Bars
-of the run have the density and the elastic moduli of cold metal, and no thermal pressure (`mg_gamma = 0`).
+of the run have expanded, and have the elastic moduli of cold metal.
 """
 import numpy as np
 
