@@ -179,7 +179,7 @@ contains
       logical, intent(in) :: averages                !! Is the update of the stress known?
       character(len=:), allocatable :: alpha
       class(velocity_t), allocatable :: transfer
-      logical :: axisymmetric, paper, may
+      logical :: axisymmetric, paper, may, limits
       type(group_t) :: group
 
       group = deck%group("method", 1)
@@ -191,7 +191,8 @@ contains
          return
       end if
       may = may_normalise(deck)
-      if (.not. (group%given("normalise") .or. may)) &
+      limits = limits_all(deck, averages)
+      if (.not. group%given("normalise") .and. (limits .or. .not. may)) &
          call deck%set_default("method", 1, "normalise", "none")
       if (paper) then
          call set_paper_defaults(deck, group)
@@ -324,28 +325,37 @@ contains
       may = may_normalise(deck)
       if (word /= "none" .and. .not. may) call deck%add_error(group, &
          "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
-         "no viscosity_limiter = 'smooth' or paper = .true.; write 'none' [D355]", "normalise")
+         "no paper = .true.; write 'none' [D355]", "normalise")
    end subroutine check_normalise
 
-   !> Does the rule of the dual gradient allow normalised sums? With a limiter that is set for
-   !! metals by default, materials with such sums keep their own.
+   !> Does the limiter of smooth flow replace normalised sums, unless the deck requests both? It does
+   !! where the deck gives it, and beside the strain of two velocities. Set for metals, it does not:
+   !! materials with normalised sums keep their own.
+   logical function limits_all(deck, averages) result(limits)
+      type(deck_t), intent(in) :: deck
+      logical, intent(in) :: averages                !! Is the strain that of two velocities?
+      character(len=:), allocatable :: word
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("viscosity_limiter", word)
+      limits = word /= "none" .and. (averages .or. group%given("viscosity_limiter"))
+   end function limits_all
+
+   !> Does the rule of the dual gradient allow normalised sums?
    logical function may_normalise(deck) result(may)
       type(deck_t), intent(in) :: deck
-      character(len=:), allocatable :: limiter, surface, word
+      character(len=:), allocatable :: surface, word
       class(quadrature_t), allocatable :: quadrature
-      logical :: paper, averages
+      logical :: paper
       type(group_t) :: group
 
       group = deck%group("method", 1)
       call group%get("quadrature", word)
       call choose_quadrature(word, quadrature)
       call group%get("free_surface", surface)
-      call group%get("viscosity_limiter", limiter)
       call group%get("paper", paper)
       may = allocated(quadrature) .and. .not. paper .and. surface == "fill"
-      averages = has_average(deck)
-      if (limiter /= "none") may = may .and. .not. (averages .or. &
-         group%given("viscosity_limiter"))
       if (may) may = quadrature%is_plain()
    end function may_normalise
 
