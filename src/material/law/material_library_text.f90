@@ -1,0 +1,322 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a library with a strength law declares about itself: a text with one statement a line.
+!!
+!!     law NAME
+!!     stress deviator | whole
+!!     flow plastic | none
+!!     work scree | library
+!!     needs temperature | energy
+!!     constant NAME [UNIT] RANGE default NUMBER : meaning
+!!     field NAME [UNIT] start NUMBER : meaning
+!!
+!! RANGE is that of keys, such as `> 0 < 1`; range, default and start may be left out. Lines that
+!! begin with # are comments.
+module material_library_text
+   use base_decimal, only: decimal_good, read_decimal
+   use base_kinds, only: wp
+   use base_text, only: is_letter, line_end, number, split, text_t
+   use deck_key_rules, only: read_range
+   use deck_schema, only: key_t, kind_real
+   use deck_units, only: unit_of
+   implicit none
+   private
+
+   public :: library_field_t, library_text_t, read_library_text
+
+   integer, parameter, public :: most_constants = 64     !! Of a library
+   integer, parameter, public :: most_fields = 64        !! Of a library
+   integer, parameter, public :: longest_text = 65536    !! Letters of a declaration
+   integer, parameter :: longest_symbol = 31             !! Letters of the name of a constant or field
+   !> Fields of particles that are not those of a library. The plastic strain is common to both.
+   character(len=20), parameter :: reserved(36) = [character(len=20) :: "identity", "material", &
+      "body", "mass", "volume", "density", "velocity", "speed", "reference", "stress", "pressure", &
+      "mises", "viscous_pressure", "energy", "temperature", "equivalent_strain", &
+      "inertial_number", "damage", "failed", "deformation_gradient", "plastic_dilation", &
+      "porosity", "scatter", "overload", "bulking", "solid_fraction", "bond", "extent", "domain", &
+      "affine", "spin", "ahead", "burn_time", "fragment", "position", "load_marks"]
+
+   !> A history field of a library.
+   type :: library_field_t
+      character(len=:), allocatable :: name          !! Name in files
+      character(len=:), allocatable :: unit          !! SI unit
+      character(len=:), allocatable :: meaning       !! For the user
+      real(wp) :: start = 0.0_wp                     !! Value of new particles
+   end type library_field_t
+
+   !> The declaration of a library.
+   type :: library_text_t
+      character(len=:), allocatable :: name          !! Name of the law
+      logical :: whole = .false.                     !! It gives the whole stress
+      logical :: plastic = .true.                    !! It flows
+      logical :: own_work = .false.                  !! It gives the work of its flow
+      logical :: needs_temperature = .false.         !! It reads the temperature
+      logical :: needs_energy = .false.              !! It reads the internal energy
+      type(key_t), allocatable :: constants(:)       !! As keys of a deck, in their order
+      type(library_field_t), allocatable :: fields(:) !! In their order
+   end type library_text_t
+
+contains
+
+   !> Read a declaration.
+   subroutine read_library_text(text, declared, fault)
+      character(len=*), intent(in) :: text           !! Lines of the declaration
+      type(library_text_t), intent(out) :: declared
+      character(len=:), allocatable, intent(out) :: fault !! Empty if there is none
+      character(len=:), allocatable :: line
+      integer :: first, last, row
+
+      fault = ""
+      allocate (declared%constants(0), declared%fields(0))
+      first = 1
+      row = 0
+      do while (first <= len(text))
+         last = line_end(text, first)
+         line = trim(adjustl(text(first:last)))
+         first = last + 2
+         row = row + 1
+         if (line == "") cycle
+         if (line(1:1) == "#") cycle
+         call read_statement(line, declared, fault)
+         if (fault == "") cycle
+         fault = "line "//number(row)//" of its declaration: "//fault
+         return
+      end do
+      if (.not. allocated(declared%name)) fault = "its declaration has no line 'law NAME'"
+   end subroutine read_library_text
+
+   !> Read one line.
+   subroutine read_statement(line, declared, fault)
+      character(len=*), intent(in) :: line           !! Not empty
+      type(library_text_t), intent(inout) :: declared
+      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      type(text_t), allocatable :: words(:)
+      integer :: colon
+
+      colon = index(line//" :", " :")
+      call split(line(:min(colon, len(line))), words)
+      if (size(words) < 2) then
+         fault = "'"//line//"' has a name or a word missing"
+         return
+      end if
+      select case (words(1)%text)
+      case ("constant")
+         call read_constant(words, trim(adjustl(line(min(colon + 2, len(line) + 1):))), declared, &
+            fault)
+      case ("field")
+         call read_field(words, trim(adjustl(line(min(colon + 2, len(line) + 1):))), declared, &
+            fault)
+      case default
+         call read_property(words, declared, fault)
+      end select
+   end subroutine read_statement
+
+   !> Read a line that states a property of the law.
+   subroutine read_property(words, declared, fault)
+      type(text_t), intent(in) :: words(:)           !! At least two
+      type(library_text_t), intent(inout) :: declared
+      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+
+      if (size(words) > 2) then
+         fault = "'"//words(1)%text//"' takes one word"
+         return
+      end if
+      select case (words(1)%text//" "//words(2)%text)
+      case ("stress deviator")
+         declared%whole = .false.
+      case ("stress whole")
+         declared%whole = .true.
+      case ("flow plastic")
+         declared%plastic = .true.
+      case ("flow none")
+         declared%plastic = .false.
+      case ("work scree")
+         declared%own_work = .false.
+      case ("work library")
+         declared%own_work = .true.
+      case ("needs temperature")
+         declared%needs_temperature = .true.
+      case ("needs energy")
+         declared%needs_energy = .true.
+      case default
+         fault = "'"//words(1)%text//" "//words(2)%text//"' is not one of law NAME, stress "// &
+            "deviator, stress whole, flow plastic, flow none, work scree, work library, needs "// &
+            "temperature, needs energy, constant, field"
+         if (words(1)%text /= "law") return
+         fault = ""
+         if (allocated(declared%name)) fault = "'law' is given twice"
+         if (fault == "") call check_symbol(words(2)%text, fault)
+         declared%name = words(2)%text
+      end select
+   end subroutine read_property
+
+   !> Read a line that declares a constant, as a key of a deck.
+   subroutine read_constant(words, meaning, declared, fault)
+      type(text_t), intent(in) :: words(:)           !! At least two
+      character(len=*), intent(in) :: meaning        !! Text after the colon
+      type(library_text_t), intent(inout) :: declared
+      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      type(key_t), allocatable :: longer(:)
+      type(key_t) :: key
+      integer :: i, next
+      logical :: known
+
+      call read_head(words, key%unit_text, next, fault)
+      if (fault /= "") return
+      key%group = "material"
+      key%kind = kind_real
+      key%name = words(2)%text
+      key%doc = meaning
+      if (key%unit_text == "1") key%unit_text = ""
+      call unit_of(key%unit_text, key%unit, known)
+      key%range%hint = ""
+      key%range%text = ""
+      do while (next <= size(words))
+         if (words(next)%text == "default") exit
+         key%range%text = trim(key%range%text//" "//words(next)%text)
+         next = next + 1
+      end do
+      if (len(key%range%text) > 0) call read_bounds(adjustl(key%range%text), key, fault)
+      if (fault == "") call read_start(words, next, "default", key%default, fault)
+      if (fault == "" .and. any([(declared%constants(i)%name == key%name, &
+         i=1, size(declared%constants))])) fault = "constant '"//key%name//"' is given twice"
+      if (fault == "" .and. size(declared%constants) == most_constants) &
+         fault = "there are more than "//number(most_constants)//" constants"
+      if (fault /= "") return
+      allocate (longer(size(declared%constants) + 1))
+      longer(:size(longer) - 1) = declared%constants
+      longer(size(longer)) = key
+      call move_alloc(longer, declared%constants)
+   end subroutine read_constant
+
+   !> Read the range of a constant.
+   subroutine read_bounds(text, key, fault)
+      character(len=*), intent(in) :: text           !! Such as > 0
+      type(key_t), intent(inout) :: key
+      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      logical :: known
+
+      known = scan(text(1:1), "<>") == 1
+      if (known) call read_range(trim(text), key%range, known)
+      if (.not. known) fault = "'"//trim(text)//"' is not a range such as > 0, or >= 0 <= 1"
+   end subroutine read_bounds
+
+   !> Read a line that declares a field.
+   subroutine read_field(words, meaning, declared, fault)
+      type(text_t), intent(in) :: words(:)           !! At least two
+      character(len=*), intent(in) :: meaning        !! Text after the colon
+      type(library_text_t), intent(inout) :: declared
+      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      type(library_field_t), allocatable :: longer(:)
+      type(library_field_t) :: field
+      character(len=:), allocatable :: start
+      integer :: i, next, verdict
+
+      call read_head(words, field%unit, next, fault)
+      if (fault == "") call read_start(words, next, "start", start, fault)
+      if (fault /= "") return
+      field%name = words(2)%text
+      field%meaning = meaning
+      if (allocated(start)) call read_decimal(start, 0, field%start, verdict)
+      if (any([(declared%fields(i)%name == field%name, i=1, size(declared%fields))])) &
+         fault = "field '"//field%name//"' is given twice"
+      if (any(reserved == field%name)) fault = "field '"//field%name//"' has the name of a "// &
+         "field of every material; choose another name"
+      if (field%name == "plastic_strain" .and. (field%unit /= "1" .or. &
+         abs(field%start) > 0.0_wp)) fault = "field 'plastic_strain' is common to all laws; it "// &
+         "has unit [1] and starts at 0"
+      if (fault == "" .and. size(declared%fields) == most_fields) &
+         fault = "there are more than "//number(most_fields)//" fields"
+      if (fault /= "") return
+      allocate (longer(size(declared%fields) + 1))
+      longer(:size(longer) - 1) = declared%fields
+      longer(size(longer)) = field
+      call move_alloc(longer, declared%fields)
+   end subroutine read_field
+
+   !> Read name and unit of a constant or field.
+   subroutine read_head(words, unit, next, fault)
+      type(text_t), intent(in) :: words(:)           !! At least two
+      character(len=:), allocatable, intent(out) :: unit !! SI unit, 1 without dimension
+      integer, intent(out) :: next                   !! First word behind the unit
+      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      integer, parameter :: longest_unit = 16
+      character(len=:), allocatable :: text
+      logical :: known
+
+      unit = "1"
+      next = 3
+      call check_symbol(words(2)%text, fault)
+      if (fault /= "") return
+      text = ""
+      do while (next <= size(words))
+         text = text//" "//words(next)%text
+         next = next + 1
+         if (index(text, "]") > 0) exit
+      end do
+      text = trim(adjustl(text))
+      known = len(text) > 2 .and. index(text, "[") == 1 .and. index(text, "]") == len(text)
+      if (.not. known) then
+         fault = "'"//words(2)%text//"' needs a unit in brackets, such as [Pa], or [1]"
+         return
+      end if
+      unit = text(2:len(text) - 1)
+      if (unit == "1") return
+      known = len(unit) <= longest_unit
+      if (known) call check_unit(unit, known)
+      if (.not. known) fault = "'"//unit//"' is not a unit of SI such as Pa, 1/s or J/(kg K)"
+   end subroutine read_head
+
+   !> True if a text is a unit of SI other than an angle.
+   pure subroutine check_unit(text, known)
+      use deck_units, only: unit_t
+      character(len=*), intent(in) :: text
+      logical, intent(out) :: known
+      type(unit_t) :: unit
+
+      call unit_of(text, unit, known)
+      known = known .and. text /= "deg"
+   end subroutine check_unit
+
+   !> Read a word with a number behind it, at the end of a line.
+   subroutine read_start(words, next, word, value, fault)
+      type(text_t), intent(in) :: words(:)           !! Words of the line
+      integer, intent(in) :: next                    !! The first of them
+      character(len=*), intent(in) :: word           !! What it must be
+      character(len=:), allocatable, intent(out) :: value !! Not allocated: not given
+      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      real(wp) :: known
+      integer :: verdict
+
+      if (next > size(words)) return
+      verdict = decimal_good + 1
+      if (words(next)%text == word .and. size(words) == next + 1) &
+         call read_decimal(words(next + 1)%text, 0, known, verdict)
+      if (verdict == decimal_good) then
+         value = words(next + 1)%text
+      else
+         fault = "'"//words(next)%text//"' is not '"//word//"' with a number; the meaning "// &
+            "stands behind ' : '"
+      end if
+   end subroutine read_start
+
+   !> Check the name of a law, constant or field.
+   subroutine check_symbol(name, fault)
+      character(len=*), intent(in) :: name
+      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=*), parameter :: others = "0123456789_"
+      integer :: i
+
+      if (len(name) > longest_symbol) then
+         fault = "name '"//name(:longest_symbol)//"...' is longer than "// &
+            number(longest_symbol)//" letters"
+         return
+      end if
+      do i = 1, len(name)
+         if (is_letter(name(i:i))) cycle
+         if (i > 1 .and. index(others, name(i:i)) > 0) cycle
+         fault = "name '"//name//"' must begin with a letter and have letters, digits and "// &
+            "underscores only"
+         return
+      end do
+   end subroutine check_symbol
+end module material_library_text
