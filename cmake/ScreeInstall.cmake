@@ -46,6 +46,14 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/python/" DESTINATION "${CMAKE_INSTALL_D
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/input/" DESTINATION "${CMAKE_INSTALL_DATADIR}/scree/input"
    FILES_MATCHING PATTERN "*.nml" PATTERN "*.md" PATTERN "*.csv" PATTERN "*.png" PATTERN "*.py"
    PATTERN "*.stl")
+# Strength laws in libraries: the header and the examples. Commands of the manual work in the build tree too.
+set(scree_law_interface scree_law.h scree_law.f90)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/laws/" DESTINATION "${CMAKE_INSTALL_DATADIR}/scree/laws")
+file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/include")
+foreach(file IN LISTS scree_law_interface)
+   install(FILES "${PROJECT_SOURCE_DIR}/laws/${file}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+   file(CREATE_LINK "${PROJECT_SOURCE_DIR}/laws/${file}" "${PROJECT_BINARY_DIR}/include/${file}" SYMBOLIC)
+endforeach()
 # The program looks for the scenes at the same place in the build tree.
 file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/share/scree")
 file(CREATE_LINK "${PROJECT_SOURCE_DIR}/input" "${PROJECT_BINARY_DIR}/share/scree/input" SYMBOLIC)

@@ -6,7 +6,7 @@ module material_checks
    use material_effects, only: effects_t, in_order
    use material_failed, only: failed_law_fault
    use material_field_requests, only: field_requests_t
-   use material_library_text, only: library_text_t
+   use material_library_text, only: library_fields_text, library_text_t
    use material_models, only: models_t
    use material_softening, only: softening_fault
    use material_voids, only: voids_fault
@@ -223,8 +223,18 @@ contains
       type(library_text_t), intent(in) :: declared   !! Declaration of the library
       type(deck_t), intent(inout) :: deck
       type(field_requests_t) :: others
+      character(len=:), allocatable :: fields
       integer :: n
 
+      call group%get("library_fields", fields)
+      if (.not. group%given("library_fields")) then
+         call deck%set_default("material", group%place, "library_fields", &
+            library_fields_text(declared))
+      else if (fields /= library_fields_text(declared)) then
+         call deck%add_error(group, "the fields of the library are '"// &
+            library_fields_text(declared)//"', not '"//fields//"'; use the library for which "// &
+            "the deck was written, or remove library_fields [D370]", "library_fields")
+      end if
       if (declared%needs_temperature .and. .not. effects%thermal) call deck%add_error(group, &
          "the law '"//declared%name//"' of the library needs temperatures; set &effects "// &
          "thermal = .true. [D370]", "library")

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Strength law of the user in a shared library. It gets the rotated stress with the elastic trial,
-!! or for a whole stress without it, and returns the stress after the step. Equations (Y.3a) and
-!! (Y.3b) of doc/theory/strength.md.
+!! or for a whole stress without it, and returns the stress after the step. Equations (Y.9) and
+!! (Y.10) of doc/theory/strength.md.
 module law_library
    use base_kinds, only: int64, wp
-   use base_text, only: append, number, text_t
+   use base_text, only: append, brief, number, text_t
    use deck_group_values, only: group_t
    use deck_schema, only: changes_physics, schema_t
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int32_t, c_int64_t, c_loc, &
@@ -13,7 +13,7 @@ module law_library
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
    use material_kinematics, only: corotate_strain, predict_deviator
-   use material_law, only: law_stored_energy, law_t
+   use material_law, only: law_add_wave_speed, law_stored_energy, law_t
    use material_library, only: library_rows_t, library_t, longest_message
    use material_library_constants, only: read_library_constants
    use material_library_text, only: most_constants, most_fields
@@ -35,11 +35,14 @@ module law_library
    contains
       procedure :: declare => library_declare        !! Declares its keys
       procedure :: take_library => library_take      !! Gets the library and reads the constants
+      procedure :: is_in_library => library_is_in_library !! Returns true
+      procedure :: report => library_report          !! Name, constants and digest of the file
       procedure :: gives_whole_stress => library_gives_whole_stress !! As declared
       procedure :: is_plastic => library_is_plastic  !! As declared
       procedure :: request => library_request        !! Requests the history fields
       procedure :: predict_trial => library_predict_trial !! Trial, or the rotated stress alone
       procedure :: update => library_update          !! Calls the library
+      procedure :: add_wave_speed => library_add_wave_speed !! With the bulk modulus, if whole
       procedure :: stored_energy => library_stored_energy !! With that of the volume, if whole
       procedure :: fault_of_state => library_fault_of_state !! Error that the library reported
    end type law_library_t
@@ -56,7 +59,12 @@ contains
          "scree_law.h; path relative to the deck", owner=owner)
       call schema%text("material", "library_constants(:64)", "constants of the law in the "// &
          "library, each 'NAME = NUMBER UNIT'; without a unit in SI", owner=owner)
+      call schema%text("material", "library_fields", "fields of the law in the library as "// &
+         "'NAME [UNIT], ...'; the library gives them, and a deck that states others is refused", &
+         default="none", owner=owner)
       call schema%require("material", "library")
+      call schema%forbid_change("material", "library_fields", "the particles of the checkpoint "// &
+         "have the fields that its library declared")
       call schema%allow_change("material", "library library_constants", changes_physics)
    end subroutine library_declare
 
@@ -84,6 +92,30 @@ contains
       end do
       call append(faults, "library_constants: the library rejects them: "//text//" [D369]")
    end subroutine library_take
+
+   !> True, unless the library could not be loaded.
+   pure logical function library_is_in_library(self) result(is_in)
+      class(law_library_t), intent(in) :: self
+
+      is_in = associated(self%library%update)
+   end function library_is_in_library
+
+   !> Name of the law, digest of its file, and all constants, also those that the deck leaves out.
+   function library_report(self) result(text)
+      class(law_library_t), intent(in) :: self
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = ""
+      if (.not. self%is_in_library()) return
+      associate (declared => self%library%declared)
+         text = declared%name//" of "//self%library%path//", digest "//self%library%digest
+         do n = 1, size(declared%constants)
+            text = text//trim(merge("; ", ", ", n == 1))//" "//trim(declared%constants(n)%name// &
+               " = "//brief(self%constants(n))//" "//declared%constants(n)%unit_text)
+         end do
+      end associate
+   end function library_report
 
    !> True if the library declares `stress whole`.
    pure logical function library_gives_whole_stress(self) result(whole)
@@ -301,8 +333,8 @@ contains
 
    !> Plastic increment and work from the deviators before and after the call: the plastic strain is
    !! the part of the strain increment that the change of stress does not explain elastically, and
-   !! its work is that of the mean of the stresses before and after the step. Equations (Y.3a) and
-   !! (Y.3b).
+   !! its work is that of the mean of the stresses before and after the step. Equations (Y.9) and
+   !! (Y.10).
    pure subroutine find_plastic_work(law, before, offset, count, entry, state, deformation)
       class(law_library_t), intent(in) :: law
       integer, intent(in) :: before                  !! Index offset in the store
@@ -357,6 +389,21 @@ contains
       state%stress(first:last, :) = transfer(ior(error_bits, iand(int(rows%error, int64), &
          lower_half)), 0.0_wp)
    end subroutine mark_error
+
+   !> Add the contribution to the square of the wave speed; for a whole stress also that of the bulk
+   !! modulus.
+   pure subroutine library_add_wave_speed(self, state, deformation, first, last)
+      class(law_library_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state          !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first, last                   !! Particles of the range
+      integer :: count
+
+      count = last - first + 1
+      if (self%library%declared%whole) deformation%wave_speed(:count) = &
+         deformation%wave_speed(:count) + self%bulk*state%volume(first:last)/state%mass(first:last)
+      call law_add_wave_speed(self, state, deformation, first, last)
+   end subroutine library_add_wave_speed
 
    !> Energy [J] stored in the stress of a particle; a whole stress has a part of the volume.
    pure real(wp) function library_stored_energy(self, state, particle) result(energy)

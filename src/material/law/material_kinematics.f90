@@ -134,7 +134,7 @@ contains
    end subroutine dilate
 
    !> Volume and deformation gradient after the step: F becomes (I + G) F and the volume grows by
-   !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C. Equation (Y.11) of
+   !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C. Equation (Y.14) of
    !! doc/theory/strength.md.
    pure subroutine deform(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
@@ -195,7 +195,7 @@ contains
    !!
    !! From exp(dt L) = I + G follows dt L = 2 artanh(C/2) = C + C**3/12 + C**5/80 + C**7/448 +
    !! C**9/2304 + ... The next term is C**11/11264; for a full turn in 50 steps the stress lags by
-   !! 1e-14. Equation (Y.17).
+   !! 1e-14. Equation (Y.20).
    pure subroutine follow_motion(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -297,7 +297,7 @@ contains
    end subroutine predict_deviator
 
    !> Replace the strain D of gradients by that of the frame at the end of the step, (D + Q D QT)/2
-   !! with the rotation Q of the step, for laws that add a stress to the rotated one. Equation (Y.3c)
+   !! with the rotation Q of the step, for laws that add a stress to the rotated one. Equation (Y.11)
    !! of doc/theory/strength.md.
    pure subroutine corotate_strain(deformation, count)
       type(deformation_t), intent(inout) :: deformation    !! Step of the range

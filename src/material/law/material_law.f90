@@ -28,6 +28,8 @@ module material_law
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
       procedure :: take_library => law_take_library  !! Gets its library, if it is in one
+      procedure :: is_in_library => law_is_in_library !! True for a law of the user
+      procedure :: report => law_report              !! What a user may want to know about it
       procedure :: read_mode => law_read_mode        !! Reads keys that decide on other models
       procedure :: fault => law_fault                !! Error in the combination of its keys
       procedure :: read => law_read                  !! Reads its keys
@@ -93,6 +95,21 @@ contains
 
       allocate (faults(0))
    end subroutine law_take_library
+
+   !> True if the law is in a shared library of the user.
+   pure logical function law_is_in_library(self) result(is_in)
+      class(law_t), intent(in) :: self
+
+      is_in = .false.
+   end function law_is_in_library
+
+   !> Properties of the law that are not in the deck; empty if there are none.
+   function law_report(self) result(text)
+      class(law_t), intent(in) :: self
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function law_report
 
    !> Read the words that decide which other models the material has, before the deck is checked.
    pure subroutine law_read_mode(self, group)

@@ -6,7 +6,8 @@
 module material_library
    use base_elementary, only: take_exponentials, take_fast_powers, take_logarithms, take_powers
    use base_error, only: error_t, exit_input, fail
-   use base_file, only: file_exists, real_path
+   use base_file, only: read_file, real_path
+   use base_hash, only: digest_text, hash_text
    use base_libc, only: c_dlopen, c_dlsym, load_now, loading_failure, text_at
    use base_text, only: number
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_procpointer, &
@@ -98,6 +99,7 @@ module material_library
    !> A loaded library. It is never closed, since copies of a law hold its addresses.
    type :: library_t
       character(len=:), allocatable :: path          !! As in messages
+      character(len=:), allocatable :: digest        !! Hash of the bytes of the file
       type(library_text_t) :: declared               !! What it declares
       type(library_tools_t), pointer :: tools => null() !! Functions that it may call
       procedure(law_update_i), pointer, nopass :: update => null() !! Null: no library
@@ -114,18 +116,17 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The file is no library with a law
       procedure(law_version_i), pointer :: version
       procedure(law_declaration_i), pointer :: declaration
-      character(len=:), allocatable :: fault
+      character(len=:), allocatable :: bytes, fault
       type(c_ptr) :: handle
       type(c_funptr) :: place(3)
 
       library%path = path
+      call read_file(path, bytes, error)
+      if (allocated(error)) return
+      library%digest = digest_text(hash_text(bytes))
       fault = ""
-      if (.not. file_exists(path)) then
-         fault = "No such file or directory"
-      else
-         handle = c_dlopen(real_path(path)//c_null_char, load_now)
-         if (.not. c_associated(handle)) fault = loading_failure()
-      end if
+      handle = c_dlopen(real_path(path)//c_null_char, load_now)
+      if (.not. c_associated(handle)) fault = loading_failure()
       if (fault == "") call find_procedure(handle, "scree_law_interface", place(1), fault)
       if (fault == "") then
          call c_f_procpointer(place(1), version)
@@ -154,6 +155,7 @@ contains
       procedure(law_update_i), pointer :: rows
 
       if (.not. allocated(library%path)) library%path = "none"
+      if (.not. allocated(library%digest)) library%digest = "none"
       call read_library_text(text, library%declared, fault)
       if (fault /= "") return
       call c_f_procpointer(update, rows)

@@ -21,7 +21,7 @@ module material_library_text
    implicit none
    private
 
-   public :: library_field_t, library_text_t, read_library_text
+   public :: library_field_t, library_fields_text, library_text_t, read_library_text
 
    integer, parameter, public :: most_constants = 64     !! Of a library
    integer, parameter, public :: most_fields = 64        !! Of a library
@@ -83,6 +83,20 @@ contains
       end do
       if (.not. allocated(declared%name)) fault = "its declaration has no line 'law NAME'"
    end subroutine read_library_text
+
+   !> Names and units of the fields of a library, as the key library_fields has them.
+   pure function library_fields_text(declared) result(text)
+      type(library_text_t), intent(in) :: declared
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = "none"
+      do n = 1, size(declared%fields)
+         if (n == 1) text = ""
+         if (n > 1) text = text//", "
+         text = text//declared%fields(n)%name//" ["//declared%fields(n)%unit//"]"
+      end do
+   end function library_fields_text
 
    !> Read one line.
    subroutine read_statement(line, declared, fault)
