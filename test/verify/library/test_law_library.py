@@ -10,6 +10,10 @@ work that the program computes with a wrong sign or factor; a damage model that 
 * laws/voce.c and laws/voce.f90 have the same bits. In simple shear their stress follows the closed form to the error of
   steps of explicit hardening, half an increment of the exponent; the plastic work of a bar that flows balances its
   energy to the drift of the built-in law of von Mises, which integrates the same mean of stresses.
+* A VUMAT with kinematic hardening (test/support/kinematic_vumat.for), compiled unchanged with the adapter: in simple
+  shear by the angle g the backstress of Prager with the Jaumann rate is H/3 sin(g) in shear and H/3 (1 - cos(g)) along
+  the shear (J. C. Nagtegaal, J. E. de Jong, 1982), up to elastic strains; a backstress that did not turn would grow
+  with g. Without hardening a bar ends as with the built-in law of von Mises without an equation of state.
 * An elastic law that returns the whole stress (`stress whole`) rotates and strains as the built-in elastic law: the
   stresses of a bar that turns and vibrates agree to rounding.
 """
@@ -162,3 +166,70 @@ def test_whole_stress(options, sheet):
     largest = abs(ends["elastic"]).max()
     sheet.above("stress of the bar [Pa]", largest, 1.0e4)
     sheet.below("whole stress and built-in elasticity", abs(ends["whole"] - ends["elastic"]).max() / largest, 1.0e-8)
+
+
+VUMAT_NAMES = """
+module vumat_names
+   implicit none
+   character(len=*), parameter :: nl = new_line("a")
+   character(len=*), parameter :: cmname = "prager"
+   character(len=*), parameter :: names = "constant E [Pa] > 0 : Young's modulus"//nl// &
+      "constant nu [1] : Poisson's ratio"//nl//"constant Y [Pa] > 0 : yield stress"//nl// &
+      "constant H [Pa] >= 0 : hardening"//nl//"field sdv1 [1] : plastic strain"//nl// &
+      "field sdv2 [Pa] : backstress 11"//nl//"field sdv3 [Pa] : backstress 22"//nl// &
+      "field sdv4 [Pa] : backstress 33"//nl//"field sdv5 [Pa] : backstress 12"//nl// &
+      "field sdv6 [Pa] : backstress 23"//nl//"field sdv7 [Pa] : backstress 31"
+end module vumat_names
+"""
+VUMAT_SHEAR = """
+&material  name='steel'  density=7850  young=200e9  poisson=0.3  strength_model='library'  library='prager.so'
+  library_constants='E = 200 GPa', 'nu = 0.3', 'Y = 100 MPa', 'H = 900 MPa' /
+&point  path='shear'  strain=4  rate=1  steps=4000 /
+"""
+
+
+def with_vumat(options, name, deck, ranks=1):
+    """A case with the VUMAT."""
+    run = case.Case(options, name, deck, ranks)
+    (run.folder / "names.f90").write_text(VUMAT_NAMES, encoding="utf-8")
+    folder = law_libraries.LAWS / "vumat"
+    vumat = case.ROOT / "test/support/kinematic_vumat.for"
+    law_libraries.build_fortran(options, [run.folder / "names.f90", folder / "vumat_law.f90", vumat],
+                                run.folder / "prager.so", f"-I{folder}", f"-J{run.folder}", "-Wno-unused-dummy-argument")
+    return run
+
+
+def test_vumat(options, sheet):
+    """A VUMAT, unchanged."""
+    run = with_vumat(options, "prager", VUMAT_SHEAR).run("--point")
+    values = np.genfromtxt(run.path("_point.csv"), delimiter=",", names=True)
+    angle, third = values["strain"], 900.0e6 / 3.0
+    flows = angle > 0.05
+    # the elastic strain delays flow by Y/(G sqrt(3)), and the direction of flow by as much
+    allowed = 4.0 * (100.0e6 / math.sqrt(3.0) + third) / 77.0e9
+    shear = 100.0e6 / math.sqrt(3.0) + third * np.sin(angle)
+    sheet.below("VUMAT: shear stress over H/3", abs(values["xy"] - shear)[flows].max() / third, allowed)
+    along = third * (1.0 - np.cos(angle))
+    sheet.below("VUMAT: normal stress over H/3", abs(values["xx"] - along)[flows].max() / third, allowed)
+    sheet.near("VUMAT: time of a particle [s]", values["vumat_time"][-1], 4.0, 1e-9)
+
+    motion = BAR.replace("&material", "&effects  eos=.false. /\n&material").replace("bulk=2e6  shear=1e6",
+                                                                               "young=2.5e6  poisson=0.3")
+    own = "strength_model='von_mises'  yield=2 kPa"
+    words = ("strength_model='library'  library='prager.so'  "
+             "library_constants='E = 2.5 MPa', 'nu = 0.3', 'Y = 2 kPa', 'H = {}'")
+    ends, digests = {}, {}
+    for name, law, ranks in (("own", own, 1), ("vumat", words.format("0"), 1), ("hard_1", words.format("1 MPa"), 1),
+                             ("hard_2", words.format("1 MPa"), 2)):
+        run = with_vumat(options, f"flow_{name}", motion.format(law=law, motion=IMPACT, steps=80), ranks).run("-q")
+        last = run.snapshots()[-1][1]
+        ends[name] = last.fields["stress"][np.argsort(last.fields["identity"])]
+        digests[name] = run.summary["digest"]
+    largest = abs(ends["own"]).max()
+    sheet.above("flow: largest stress [Pa]", largest, 2.0e3)
+    sheet.below("flow: VUMAT and von Mises", abs(ends["vumat"] - ends["own"]).max() / largest, 1.0e-6)
+    sheet.above("flow: effect of hardening", abs(ends["hard_1"] - ends["own"]).max() / largest, 1.0e-2)
+    sheet.require(digests["hard_1"] == digests["hard_2"], "VUMAT: the same bits on two ranks")
+    check = with_vumat(options, "vumat_check", motion.format(law=words.format("1 MPa"), motion=IMPACT, steps=80))
+    check.run("--check")
+    sheet.require("F128" not in check.output, f"VUMAT: the tests of --check pass: {check.output}")
