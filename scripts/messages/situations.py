@@ -32,7 +32,7 @@ STATES = """# density temperature pressure energy
 """
 COLD = STATES.replace("1000  600  1.722e8  4.305e5", "1000  600  1.722e8  1.5e5")
 LAW = r'''int scree_law_interface(void) { return 1; }
-const char *scree_law_declaration(void) { return "law soft\\nconstant Y [Pa] > 0 : yield stress\\n"; }
+const char *scree_law_declaration(void) { return "law soft\nconstant Y [Pa] > 0 : yield stress\n"; }
 void scree_law_update(void *rows) { (void)rows; }
 '''
 COMPILED = "cc -fPIC -shared law.c -o law.so"
