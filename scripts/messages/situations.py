@@ -539,12 +539,14 @@ SITUATIONS = {
     "D369": {
         "files": {"scene.nml": OWN_LAW.replace("'Y = 90 MPa'", "'yield = 90 MPa'"), "law.c": LAW}, "before": [COMPILED],
         "text": "The library of the law declares one constant, Y, in Pa:",
-        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW}, "right": "library_constants = 'Y = 90 MPa'\n",
+        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},
+        "right": "library_constants = 'Y = 90 MPa'\n",
         "see": ["../guide/own_law.md#what-the-deck-states"]},
     "D370": {
         "files": {"scene.nml": OWN_LAW, "law.c": WARM_LAW}, "before": [COMPILED],
         "text": "The library declares `needs temperature`:",
-        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW}, "right": "&effects thermal = .true. /\n",
+        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},
+        "right": "&effects thermal = .true. /\n",
         "see": ["../guide/own_law.md#what-the-library-declares"]},
     "F118": {
         "files": {"scene.nml": PUSHED, "ram.csv": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1")},
@@ -565,7 +567,8 @@ SITUATIONS = {
     "F128": {
         "files": {"scene.nml": OWN_LAW, "law.c": STATIC_LAW}, "before": [COMPILED],
         "text": "The law counts its calls in a static variable, and adds the count to a stress:",
-        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW}, "right": "double calls = rows->history[0][i];\n",
+        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},
+        "right": "double calls = rows->history[0][i];\n",
         "see": ["../guide/own_law.md#what-to-check"]},
     "F120": {
         "files": {"scene.nml": BAR}, "before": [RUN],

@@ -46,8 +46,8 @@ def test_page(options, sheet):
     environment = {**os.environ, **case.OPEN_MPI, "PATH": f"{options.scree.parent}:{os.environ['PATH']}"}
     commands = "".join(blocks("console"))
     assert commands.startswith("cc ") and "scree --point" in commands
-    answer = subprocess.run(["bash", "-ec", commands], cwd=options.work, env=environment, capture_output=True, text=True,
-                            check=False)
+    answer = subprocess.run(["bash", "-ec", commands], cwd=options.work, env=environment, capture_output=True,
+                            text=True, check=False)
     assert answer.returncode == 0 and not answer.stderr, answer.stdout + answer.stderr
     values = np.genfromtxt(options.work / "out/steel/steel_point.csv", delimiter=",", names=True)
     exact = 300.0 + 200.0 * (1.0 - math.exp(-12.0 * 0.3 / math.sqrt(3.0)))

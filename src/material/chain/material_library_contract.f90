@@ -24,33 +24,33 @@ module material_library_contract
 contains
 
    !> Test the law of a material that is in a library.
-   subroutine test_library(material, fault, doubt)
+   subroutine test_library(material, fails, remark)
       class(models_t), intent(in) :: material        !! With a law in a library
-      character(len=:), allocatable, intent(out) :: fault !! Empty if the law passes
-      character(len=:), allocatable, intent(out) :: doubt !! Empty if there is none
+      character(len=:), allocatable, intent(out) :: fails !! Empty if the law passes
+      character(len=:), allocatable, intent(out) :: remark !! Empty if there is none
       real(wp) :: paths(particles, 9, steps)
       type(material_state_t) :: first, other
 
       call make_paths(paths)
-      doubt = ""
-      call drive(material, paths, particles, first, fault)
-      if (fault == "") call check_finite(material, paths, first, fault)
-      if (fault /= "") return
-      call drive(material, paths, particles, other, fault)
-      if (differ(first, other, 1, particles)) fault = "the same particles on the same path end "// &
-         "in other stresses or fields the second time; the library must not keep anything "// &
+      remark = ""
+      call drive(material, paths, particles, first, fails)
+      if (fails == "") call check_finite(material, paths, first, fails)
+      if (fails /= "") return
+      call drive(material, paths, particles, other, fails)
+      if (differ(first, other, 1, particles)) fails = "the same particles on the same path "// &
+         "end in other stresses or fields the second time; the library must not keep anything "// &
          "between calls"
-      if (fault /= "") return
-      call drive(material, paths, 5, other, fault)
-      if (fault /= "") return
-      if (differ(first, other, 1, particles)) fault = "calls with 5 rows give other bits than "// &
+      if (fails /= "") return
+      call drive(material, paths, 5, other, fails)
+      if (fails /= "") return
+      if (differ(first, other, 1, particles)) fails = "calls with 5 rows give other bits than "// &
          "one call with all; a row must not depend on other rows or on their number"
-      if (fault /= "") return
-      call drive(material, paths(particles:1:-1, :, :), particles, other, fault)
+      if (fails /= "") return
+      call drive(material, paths(particles:1:-1, :, :), particles, other, fails)
       call reverse(other)
-      if (differ(first, other, 1, particles)) fault = "rows in reverse order have other bits; a "// &
-         "row must not depend on the rows before it"
-      if (fault == "") call check_turned(material, paths, first, doubt)
+      if (differ(first, other, 1, particles)) fails = "rows in reverse order have other bits; "// &
+         "a row must not depend on the rows before it"
+      if (fails == "") call check_turned(material, paths, first, remark)
    end subroutine test_library
 
    !> Velocity gradients times time steps that change direction and grow from particle to particle.
@@ -63,27 +63,27 @@ contains
          do component = 1, 9
             do i = 1, particles
                ! the fractions of multiples of an irrational number are even and always the same
-               paths(i, component, n) = 2.0_wp*modulo(golden*real(i + 7*component + 31*((n + 3)/4), &
-                  wp), 1.0_wp) - 1.0_wp
+               paths(i, component, n) = 2.0_wp*modulo(golden*real(i + 7*component &
+                  + 31*((n + 3)/4), wp), 1.0_wp) - 1.0_wp
                paths(i, component, n) = paths(i, component, n)*smallest*growth**(i - 1)
             end do
          end do
       end do
    end subroutine make_paths
 
-   !> Drive particles along paths, in calls of some rows; a fault if a call changes other rows.
-   subroutine drive(material, paths, rows, state, fault)
+   !> Drive particles along paths, in calls of some rows; a fails if a call changes other rows.
+   subroutine drive(material, paths, rows, state, fails)
       class(models_t), intent(in) :: material
       real(wp), intent(in) :: paths(:, :, :)         !! (particle, 9, step) [1]
       integer, intent(in) :: rows                    !! Rows of a call
       type(material_state_t), intent(out) :: state   !! At the end
-      character(len=:), allocatable, intent(out) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(out) :: fails !! Empty if there is none
       type(material_state_t) :: before
       type(deformation_t) :: deformation
       real(wp) :: temperature
       integer :: begin, final, n
 
-      fault = ""
+      fails = ""
       temperature = 293.0_wp
       if (allocated(material%heat)) temperature = material%heat%reference
       call material%allocate_state(state, particles)
@@ -98,9 +98,9 @@ contains
             deformation%gradient(:final - begin + 1, :) = paths(begin:final, :, n)
             call step_rows(material, begin, final, state, deformation)
             if (differ(before, state, 1, begin - 1) .or. differ(before, state, final + 1, &
-               particles)) fault = "a call changes the stress or a field of particles that are "// &
+               particles)) fails = "a call changes the stress or a field of particles that are "// &
                "not in its rows"
-            if (fault /= "") return
+            if (fails /= "") return
          end do
       end do
    end subroutine drive
@@ -127,11 +127,11 @@ contains
    end subroutine step_rows
 
    !> Check that all stresses and fields are finite.
-   subroutine check_finite(material, paths, state, fault)
+   subroutine check_finite(material, paths, state, fails)
       class(models_t), intent(in) :: material
       real(wp), intent(in) :: paths(:, :, :)         !! (particle, 9, step) [1]
       type(material_state_t), intent(in) :: state    !! At the end
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if they are
+      character(len=:), allocatable, intent(inout) :: fails !! Empty if they are
       character(len=:), allocatable :: reason
       logical :: good
       integer :: i, n
@@ -142,10 +142,10 @@ contains
             good = good .and. abs(state%own(n)%values(i)) <= huge(1.0_wp)
          end do
          if (good) cycle
-         fault = "after "//number(steps)//" steps with strains up to "// &
+         fails = "after "//number(steps)//" steps with strains up to "// &
             brief(maxval(abs(paths(i, :, :))))//" a stress or a field is not a finite number"
          reason = without_code(material%law%fault_of_state(state, i))
-         if (len(reason) > 0) fault = fault//"; "//reason
+         if (len(reason) > 0) fails = fails//"; "//reason
          return
       end do
    end subroutine check_finite
@@ -175,28 +175,41 @@ contains
       integer :: n
 
       do n = 1, 6
-         state%stress(:, n) = state%stress(particles:1:-1, n)
+         call reverse_values(state%stress(:, n))
       end do
       do n = 1, size(state%own)
-         state%own(n)%values = state%own(n)%values(particles:1:-1)
+         call reverse_values(state%own(n)%values)
       end do
-      if (allocated(state%plastic_strain)) &
-         state%plastic_strain = state%plastic_strain(particles:1:-1)
+      if (allocated(state%plastic_strain)) call reverse_values(state%plastic_strain)
    end subroutine reverse
+
+   !> Put values in reverse order.
+   pure subroutine reverse_values(values)
+      real(wp), contiguous, intent(inout) :: values(:)
+      real(wp) :: kept
+      integer :: i, last
+
+      do i = 1, size(values)/2
+         last = size(values) + 1 - i
+         kept = values(i)
+         values(i) = values(last)
+         values(last) = kept
+      end do
+   end subroutine reverse_values
 
    !> Compare with the same paths in a turned frame: the stresses turn with it, unless the material
    !! is anisotropic.
-   subroutine check_turned(material, paths, state, doubt)
+   subroutine check_turned(material, paths, state, remark)
       class(models_t), intent(in) :: material
       real(wp), intent(in) :: paths(:, :, :)         !! (particle, 9, step) [1]
       type(material_state_t), intent(in) :: state    !! Their end
-      character(len=:), allocatable, intent(inout) :: doubt !! Empty if they do
+      character(len=:), allocatable, intent(inout) :: remark !! Empty if they do
       !> A rotation about the direction (1, 2, 2).
       real(wp), parameter :: turn(3, 3) = reshape([-7.0_wp, 4.0_wp, 4.0_wp, 4.0_wp, -1.0_wp, &
          8.0_wp, 4.0_wp, 8.0_wp, -1.0_wp]/9.0_wp, [3, 3])
       real(wp) :: turned(particles, 9, steps), whole(3, 3), other(3, 3)
       type(material_state_t) :: ended
-      character(len=:), allocatable :: fault
+      character(len=:), allocatable :: fails
       integer :: i, n
 
       do n = 1, steps
@@ -205,14 +218,14 @@ contains
                transpose(turn))), [9])
          end do
       end do
-      call drive(material, turned, particles, ended, fault)
+      call drive(material, turned, particles, ended, fails)
       do i = 1, particles
          whole = full(state%stress(i, :))
          other = full(ended%stress(i, :))
          whole = matmul(turn, matmul(whole, transpose(turn)))
          if (maxval(abs(other - whole)) <= close_to*maxval(abs(whole))) cycle
-         doubt = "the stress depends on the orientation: on paths in a turned frame with strains "// &
-            "up to "//brief(maxval(abs(paths(i, :, :))))//" it differs by "// &
+         remark = "the stress depends on the orientation: on paths in a turned frame with "// &
+            "strains up to "//brief(maxval(abs(paths(i, :, :))))//" it differs by "// &
             brief(maxval(abs(other - whole))/maxval(abs(whole)))//" of its largest component; "// &
             "only an anisotropic law may do so"
          return

@@ -16,7 +16,7 @@ module law_library
    use material_law, only: law_add_wave_speed, law_stored_energy, law_t
    use material_library, only: library_rows_t, library_t, longest_message
    use material_library_constants, only: read_library_constants
-   use material_library_text, only: most_constants, most_fields
+   use material_library_text, only: most_constants, most_law_fields
    use material_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -195,7 +195,7 @@ contains
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       type(library_rows_t), target :: rows
-      type(c_ptr), target :: history(most_fields)
+      type(c_ptr), target :: history(most_law_fields)
       real(wp), target :: constants(most_constants)
       real(wp) :: entry(most_rows, 6)
       integer :: component, first, last, n
@@ -270,7 +270,7 @@ contains
       class(law_library_t), intent(in) :: law
       integer, intent(in) :: first                   !! First particle
       type(material_state_t), intent(inout) :: state !! State of the store
-      type(c_ptr), intent(inout) :: history(most_fields) !! In the order of the declaration
+      type(c_ptr), intent(inout) :: history(most_law_fields) !! In the order of the declaration
       integer :: n, own
 
       do n = 1, size(law%library%declared%fields)
@@ -284,11 +284,11 @@ contains
    end subroutine point_history
 
    !> Address of an array element and of those behind it.
-   pure subroutine point_to(values, address)
-      real(wp), intent(inout), target :: values(*)   !! From the element on
+   pure subroutine point_to(value, address)
+      real(wp), intent(inout), target :: value       !! First of several
       type(c_ptr), intent(out) :: address
 
-      address = c_loc(values)
+      address = c_loc(value)
    end subroutine point_to
 
    !> Add the mean stress before the step, without its viscous part, to the rotated deviators.

@@ -297,8 +297,8 @@ contains
    end subroutine predict_deviator
 
    !> Replace the strain D of gradients by that of the frame at the end of the step, (D + Q D QT)/2
-   !! with the rotation Q of the step, for laws that add a stress to the rotated one. Equation (Y.11)
-   !! of doc/theory/strength.md.
+   !! with the rotation Q of the step, for laws that add a stress to the rotated one. Equation
+   !! (Y.11) of doc/theory/strength.md.
    pure subroutine corotate_strain(deformation, count)
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: count                         !! Particles of the range

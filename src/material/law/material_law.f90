@@ -85,7 +85,7 @@ contains
       type(effects_t), intent(in) :: effects
    end subroutine law_read
 
-   !> Get the library that contains the law, and read its constants. Only a law in a library has one.
+   !> Get the library with the law, and read its constants. Only a law in a library has one.
    subroutine law_take_library(self, library, group, system, faults)
       class(law_t), intent(inout) :: self
       type(library_t), intent(in) :: library                   !! As loaded

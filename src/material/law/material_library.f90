@@ -3,6 +3,7 @@
 !!
 !! `scree_law.h` states the same interface for authors of libraries; the two change together, with
 !! the version of the interface.
+! allow(C071, C072): the texts of C have no length of their own
 module material_library
    use base_elementary, only: take_exponentials, take_fast_powers, take_logarithms, take_powers
    use base_error, only: error_t, exit_input, fail
@@ -68,7 +69,7 @@ module material_library
          import :: c_char, c_double, c_int32_t, c_int64_t
          implicit none
          real(c_double), intent(in) :: constants(*)  !! In the order of the declaration, SI
-         character(kind=c_char), intent(inout) :: message(*) !! Gets a null-terminated text
+         character(kind=c_char), intent(inout) :: message(*) !! Gets a text with its null
          integer(c_int64_t), value :: length         !! Of the message, with its null
          integer(c_int32_t) :: status
       end function law_check_i
@@ -148,7 +149,7 @@ contains
    !> Fill a library from its declaration and the address of its update; also for tests, whose laws
    !! are procedures of the program.
    subroutine fill_library(text, update, library, fault)
-      character(len=*), intent(in) :: text           !! The declaration
+      character(len=*), intent(in) :: text           !! Lines of the declaration
       type(c_funptr), intent(in) :: update           !! Address of a `law_update_i`
       type(library_t), intent(inout) :: library      !! With its path
       character(len=:), allocatable, intent(out) :: fault !! Empty if there is none

@@ -87,8 +87,8 @@ contains
    !! keeps the text and has other units.
    subroutine convert(key, digits, unit, system, value, fault)
       type(key_t), intent(in) :: key
-      character(len=*), intent(in) :: digits         !! The number
-      character(len=*), intent(in) :: unit           !! Its unit, or empty
+      character(len=*), intent(in) :: digits         !! Without the unit
+      character(len=*), intent(in) :: unit           !! Behind the number, or empty
       integer, intent(in) :: system                  !! Units of the deck
       real(wp), intent(out) :: value                 !! [SI]
       character(len=:), allocatable, intent(out) :: fault !! Empty if there is none

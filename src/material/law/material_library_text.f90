@@ -24,9 +24,9 @@ module material_library_text
    public :: library_field_t, library_fields_text, library_text_t, read_library_text
 
    integer, parameter, public :: most_constants = 64     !! Of a library
-   integer, parameter, public :: most_fields = 64        !! Of a library
+   integer, parameter, public :: most_law_fields = 64        !! Of a library
    integer, parameter, public :: longest_text = 65536    !! Letters of a declaration
-   integer, parameter :: longest_symbol = 31             !! Letters of the name of a constant or field
+   integer, parameter :: longest_symbol = 31             !! Letters of the name of a constant
    !> Fields of particles that are not those of a library. The plastic strain is common to both.
    character(len=20), parameter :: reserved(36) = [character(len=20) :: "identity", "material", &
       "body", "mass", "volume", "density", "velocity", "speed", "reference", "stress", "pressure", &
@@ -58,14 +58,14 @@ module material_library_text
 contains
 
    !> Read a declaration.
-   subroutine read_library_text(text, declared, fault)
+   subroutine read_library_text(text, declared, mistake)
       character(len=*), intent(in) :: text           !! Lines of the declaration
       type(library_text_t), intent(out) :: declared
-      character(len=:), allocatable, intent(out) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(out) :: mistake !! Empty if there is none
       character(len=:), allocatable :: line
       integer :: first, last, row
 
-      fault = ""
+      mistake = ""
       allocate (declared%constants(0), declared%fields(0))
       first = 1
       row = 0
@@ -76,12 +76,12 @@ contains
          row = row + 1
          if (line == "") cycle
          if (line(1:1) == "#") cycle
-         call read_statement(line, declared, fault)
-         if (fault == "") cycle
-         fault = "line "//number(row)//" of its declaration: "//fault
+         call read_statement(line, declared, mistake)
+         if (mistake == "") cycle
+         mistake = "line "//number(row)//" of its declaration: "//mistake
          return
       end do
-      if (.not. allocated(declared%name)) fault = "its declaration has no line 'law NAME'"
+      if (.not. allocated(declared%name)) mistake = "its declaration has no line 'law NAME'"
    end subroutine read_library_text
 
    !> Names and units of the fields of a library, as the key library_fields has them.
@@ -99,39 +99,39 @@ contains
    end function library_fields_text
 
    !> Read one line.
-   subroutine read_statement(line, declared, fault)
+   subroutine read_statement(line, declared, mistake)
       character(len=*), intent(in) :: line           !! Not empty
       type(library_text_t), intent(inout) :: declared
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(inout) :: mistake !! Empty if there is none
       type(text_t), allocatable :: words(:)
       integer :: colon
 
       colon = index(line//" :", " :")
       call split(line(:min(colon, len(line))), words)
       if (size(words) < 2) then
-         fault = "'"//line//"' has a name or a word missing"
+         mistake = "'"//line//"' has a name or a word missing"
          return
       end if
       select case (words(1)%text)
       case ("constant")
          call read_constant(words, trim(adjustl(line(min(colon + 2, len(line) + 1):))), declared, &
-            fault)
+            mistake)
       case ("field")
          call read_field(words, trim(adjustl(line(min(colon + 2, len(line) + 1):))), declared, &
-            fault)
+            mistake)
       case default
-         call read_property(words, declared, fault)
+         call read_property(words, declared, mistake)
       end select
    end subroutine read_statement
 
    !> Read a line that states a property of the law.
-   subroutine read_property(words, declared, fault)
+   subroutine read_property(words, declared, mistake)
       type(text_t), intent(in) :: words(:)           !! At least two
       type(library_text_t), intent(inout) :: declared
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(inout) :: mistake !! Empty if there is none
 
       if (size(words) > 2) then
-         fault = "'"//words(1)%text//"' takes one word"
+         mistake = "'"//words(1)%text//"' takes one word"
          return
       end if
       select case (words(1)%text//" "//words(2)%text)
@@ -152,30 +152,30 @@ contains
       case ("needs energy")
          declared%needs_energy = .true.
       case default
-         fault = "'"//words(1)%text//" "//words(2)%text//"' is not one of law NAME, stress "// &
+         mistake = "'"//words(1)%text//" "//words(2)%text//"' is not one of law NAME, stress "// &
             "deviator, stress whole, flow plastic, flow none, work scree, work library, needs "// &
             "temperature, needs energy, constant, field"
          if (words(1)%text /= "law") return
-         fault = ""
-         if (allocated(declared%name)) fault = "'law' is given twice"
-         if (fault == "") call check_symbol(words(2)%text, fault)
+         mistake = ""
+         if (allocated(declared%name)) mistake = "'law' is given twice"
+         if (mistake == "") call check_symbol(words(2)%text, mistake)
          declared%name = words(2)%text
       end select
    end subroutine read_property
 
    !> Read a line that declares a constant, as a key of a deck.
-   subroutine read_constant(words, meaning, declared, fault)
+   subroutine read_constant(words, meaning, declared, mistake)
       type(text_t), intent(in) :: words(:)           !! At least two
       character(len=*), intent(in) :: meaning        !! Text after the colon
       type(library_text_t), intent(inout) :: declared
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(inout) :: mistake !! Empty if there is none
       type(key_t), allocatable :: longer(:)
       type(key_t) :: key
       integer :: i, next
       logical :: known
 
-      call read_head(words, key%unit_text, next, fault)
-      if (fault /= "") return
+      call read_head(words, key%unit_text, next, mistake)
+      if (mistake /= "") return
       key%group = "material"
       key%kind = kind_real
       key%name = words(2)%text
@@ -189,13 +189,13 @@ contains
          key%range%text = trim(key%range%text//" "//words(next)%text)
          next = next + 1
       end do
-      if (len(key%range%text) > 0) call read_bounds(adjustl(key%range%text), key, fault)
-      if (fault == "") call read_start(words, next, "default", key%default, fault)
-      if (fault == "" .and. any([(declared%constants(i)%name == key%name, &
-         i=1, size(declared%constants))])) fault = "constant '"//key%name//"' is given twice"
-      if (fault == "" .and. size(declared%constants) == most_constants) &
-         fault = "there are more than "//number(most_constants)//" constants"
-      if (fault /= "") return
+      if (len(key%range%text) > 0) call read_bounds(adjustl(key%range%text), key, mistake)
+      if (mistake == "") call read_start(words, next, "default", key%default, mistake)
+      if (mistake == "" .and. any([(declared%constants(i)%name == key%name, &
+         i=1, size(declared%constants))])) mistake = "constant '"//key%name//"' is given twice"
+      if (mistake == "" .and. size(declared%constants) == most_constants) &
+         mistake = "there are more than "//number(most_constants)//" constants"
+      if (mistake /= "") return
       allocate (longer(size(declared%constants) + 1))
       longer(:size(longer) - 1) = declared%constants
       longer(size(longer)) = key
@@ -203,44 +203,44 @@ contains
    end subroutine read_constant
 
    !> Read the range of a constant.
-   subroutine read_bounds(text, key, fault)
+   subroutine read_bounds(text, key, mistake)
       character(len=*), intent(in) :: text           !! Such as > 0
       type(key_t), intent(inout) :: key
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(inout) :: mistake !! Empty if there is none
       logical :: known
 
       known = scan(text(1:1), "<>") == 1
       if (known) call read_range(trim(text), key%range, known)
-      if (.not. known) fault = "'"//trim(text)//"' is not a range such as > 0, or >= 0 <= 1"
+      if (.not. known) mistake = "'"//trim(text)//"' is not a range such as > 0, or >= 0 <= 1"
    end subroutine read_bounds
 
    !> Read a line that declares a field.
-   subroutine read_field(words, meaning, declared, fault)
+   subroutine read_field(words, meaning, declared, mistake)
       type(text_t), intent(in) :: words(:)           !! At least two
       character(len=*), intent(in) :: meaning        !! Text after the colon
       type(library_text_t), intent(inout) :: declared
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(inout) :: mistake !! Empty if there is none
       type(library_field_t), allocatable :: longer(:)
       type(library_field_t) :: field
       character(len=:), allocatable :: start
       integer :: i, next, verdict
 
-      call read_head(words, field%unit, next, fault)
-      if (fault == "") call read_start(words, next, "start", start, fault)
-      if (fault /= "") return
+      call read_head(words, field%unit, next, mistake)
+      if (mistake == "") call read_start(words, next, "start", start, mistake)
+      if (mistake /= "") return
       field%name = words(2)%text
       field%meaning = meaning
       if (allocated(start)) call read_decimal(start, 0, field%start, verdict)
       if (any([(declared%fields(i)%name == field%name, i=1, size(declared%fields))])) &
-         fault = "field '"//field%name//"' is given twice"
-      if (any(reserved == field%name)) fault = "field '"//field%name//"' has the name of a "// &
+         mistake = "field '"//field%name//"' is given twice"
+      if (any(reserved == field%name)) mistake = "field '"//field%name//"' has the name of a "// &
          "field of every material; choose another name"
       if (field%name == "plastic_strain" .and. (field%unit /= "1" .or. &
-         abs(field%start) > 0.0_wp)) fault = "field 'plastic_strain' is common to all laws; it "// &
-         "has unit [1] and starts at 0"
-      if (fault == "" .and. size(declared%fields) == most_fields) &
-         fault = "there are more than "//number(most_fields)//" fields"
-      if (fault /= "") return
+         abs(field%start) > 0.0_wp)) mistake = "field 'plastic_strain' is common to all laws; "// &
+         "it has unit [1] and starts at 0"
+      if (mistake == "" .and. size(declared%fields) == most_law_fields) &
+         mistake = "there are more than "//number(most_law_fields)//" fields"
+      if (mistake /= "") return
       allocate (longer(size(declared%fields) + 1))
       longer(:size(longer) - 1) = declared%fields
       longer(size(longer)) = field
@@ -248,19 +248,19 @@ contains
    end subroutine read_field
 
    !> Read name and unit of a constant or field.
-   subroutine read_head(words, unit, next, fault)
+   subroutine read_head(words, unit, next, mistake)
       type(text_t), intent(in) :: words(:)           !! At least two
       character(len=:), allocatable, intent(out) :: unit !! SI unit, 1 without dimension
       integer, intent(out) :: next                   !! First word behind the unit
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(inout) :: mistake !! Empty if there is none
       integer, parameter :: longest_unit = 16
       character(len=:), allocatable :: text
       logical :: known
 
       unit = "1"
       next = 3
-      call check_symbol(words(2)%text, fault)
-      if (fault /= "") return
+      call check_symbol(words(2)%text, mistake)
+      if (mistake /= "") return
       text = ""
       do while (next <= size(words))
          text = text//" "//words(next)%text
@@ -270,14 +270,14 @@ contains
       text = trim(adjustl(text))
       known = len(text) > 2 .and. index(text, "[") == 1 .and. index(text, "]") == len(text)
       if (.not. known) then
-         fault = "'"//words(2)%text//"' needs a unit in brackets, such as [Pa], or [1]"
+         mistake = "'"//words(2)%text//"' needs a unit in brackets, such as [Pa], or [1]"
          return
       end if
       unit = text(2:len(text) - 1)
       if (unit == "1") return
       known = len(unit) <= longest_unit
       if (known) call check_unit(unit, known)
-      if (.not. known) fault = "'"//unit//"' is not a unit of SI such as Pa, 1/s or J/(kg K)"
+      if (.not. known) mistake = "'"//unit//"' is not a unit of SI such as Pa, 1/s or J/(kg K)"
    end subroutine read_head
 
    !> True if a text is a unit of SI other than an angle.
@@ -292,12 +292,12 @@ contains
    end subroutine check_unit
 
    !> Read a word with a number behind it, at the end of a line.
-   subroutine read_start(words, next, word, value, fault)
+   subroutine read_start(words, next, word, value, mistake)
       type(text_t), intent(in) :: words(:)           !! Words of the line
       integer, intent(in) :: next                    !! The first of them
       character(len=*), intent(in) :: word           !! What it must be
       character(len=:), allocatable, intent(out) :: value !! Not allocated: not given
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(inout) :: mistake !! Empty if there is none
       real(wp) :: known
       integer :: verdict
 
@@ -308,27 +308,27 @@ contains
       if (verdict == decimal_good) then
          value = words(next + 1)%text
       else
-         fault = "'"//words(next)%text//"' is not '"//word//"' with a number; the meaning "// &
+         mistake = "'"//words(next)%text//"' is not '"//word//"' with a number; the meaning "// &
             "stands behind ' : '"
       end if
    end subroutine read_start
 
    !> Check the name of a law, constant or field.
-   subroutine check_symbol(name, fault)
+   subroutine check_symbol(name, mistake)
       character(len=*), intent(in) :: name
-      character(len=:), allocatable, intent(inout) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(inout) :: mistake !! Empty if there is none
       character(len=*), parameter :: others = "0123456789_"
       integer :: i
 
       if (len(name) > longest_symbol) then
-         fault = "name '"//name(:longest_symbol)//"...' is longer than "// &
+         mistake = "name '"//name(:longest_symbol)//"...' is longer than "// &
             number(longest_symbol)//" letters"
          return
       end if
       do i = 1, len(name)
          if (is_letter(name(i:i))) cycle
          if (i > 1 .and. index(others, name(i:i)) > 0) cycle
-         fault = "name '"//name//"' must begin with a letter and have letters, digits and "// &
+         mistake = "name '"//name//"' must begin with a letter and have letters, digits and "// &
             "underscores only"
          return
       end do

@@ -195,7 +195,8 @@ def with_vumat(options, name, deck, ranks=1):
     folder = law_libraries.LAWS / "vumat"
     vumat = case.ROOT / "test/support/kinematic_vumat.for"
     law_libraries.build_fortran(options, [run.folder / "names.f90", folder / "vumat_law.f90", vumat],
-                                run.folder / "prager.so", f"-I{folder}", f"-J{run.folder}", "-Wno-unused-dummy-argument")
+                                run.folder / "prager.so", f"-I{folder}", f"-J{run.folder}",
+                                "-Wno-unused-dummy-argument")
     return run
 
 
