@@ -2,7 +2,10 @@
 /* Law of Johnson and Cook as a library: the same bits as strength_model = 'johnson_cook' with
  * &effects rate and thermal.
  *
- *    cc -O3 -ffp-contract=off -fPIC -shared johnson_cook.c -o johnson_cook.so
+ *    cc -O3 -march=native -fno-math-errno -fno-trapping-math -ffp-contract=off -fPIC -shared \
+ *       johnson_cook.c -o johnson_cook.so
+ *
+ * The first four options make vectors of the loops and change no bits.
  *
  * The plastic increment x of a step solves trial - 3 G x = Y(x) with the yield stress Y = (A + B
  * (ep + x)**n) (1 + C ln(x/(rate dt))) (1 - T**m), by Newton's method within a bracket. Rows are
@@ -30,7 +33,8 @@ enum { LANES = 64 };
 static const double tiny = 2.2250738585072014e-308, least = 1.0e-100, unbounded = 1.0e200;
 
 typedef struct lanes {
-   int count;
+   int count;                        /* rows that may flow */
+   int filled;                       /* the same up to a multiple of 8, so that vectors are full */
    int place[LANES];
    double trial[LANES], fixed[LANES], amplitude[LANES], argument[LANES], x[LANES], limit[LANES],
       lower[LANES], upper[LANES], factor[LANES], tilt[LANES], going[LANES], base[LANES],
@@ -58,17 +62,17 @@ int32_t scree_law_check(const double *c, char *message, int64_t length)
 /* amplitude base**n */
 static void raise(lanes *l, double n, const scree_tools *tools)
 {
-   for (int i = 0; i < l->count; i++)
+   for (int i = 0; i < l->filled; i++)
       l->hardening[i] = l->base[i];
-   tools->fast_powers(l->count, n, l->hardening);
-   for (int i = 0; i < l->count; i++)
+   tools->fast_powers(l->filled, n, l->hardening);
+   for (int i = 0; i < l->filled; i++)
       l->hardening[i] = l->amplitude[i] * l->hardening[i];
 }
 
 /* Increment of linear hardening at the initial slope. */
 static void start(lanes *l, double n, double stiffness)
 {
-   for (int i = 0; i < l->count; i++) {
+   for (int i = 0; i < l->filled; i++) {
       double limit = smaller(l->fixed[i] + l->hardening[i], unbounded);
       double excess = larger(l->trial[i] - limit, 0.0);
       int flows = (excess > 0.0) & (limit > 0.0);
@@ -88,10 +92,10 @@ static void start(lanes *l, double n, double stiffness)
 /* Factor of the rate and its derivative. */
 static void find_rate(lanes *l, double coefficient, double rest, const scree_tools *tools)
 {
-   for (int i = 0; i < l->count; i++)
+   for (int i = 0; i < l->filled; i++)
       l->factor[i] = larger(l->x[i] / rest, 1.0);
-   tools->logarithms(l->count, l->factor);
-   for (int i = 0; i < l->count; i++) {
+   tools->logarithms(l->filled, l->factor);
+   for (int i = 0; i < l->filled; i++) {
       double tilt = l->x[i] > rest ? coefficient : 0.0;
       l->factor[i] = 1.0 + coefficient * l->factor[i];
       l->tilt[i] = tilt / larger(l->x[i], tiny);
@@ -102,7 +106,7 @@ static void find_rate(lanes *l, double coefficient, double rest, const scree_too
 static void improve(lanes *l, double n, double stiffness, double rest)
 {
    const double tolerance = 1.0e-12, brief = 0.25, back = 1.0 / 128.0;
-   for (int i = 0; i < l->count; i++) {
+   for (int i = 0; i < l->filled; i++) {
       double x = l->x[i], base = larger(l->base[i], least), factor = l->factor[i];
       double at_rest = smaller(l->fixed[i] + l->hardening[i], unbounded);
       double slope = (at_rest < unbounded ? n * l->hardening[i] : 0.0) / base;
@@ -139,17 +143,25 @@ static void improve(lanes *l, double n, double stiffness, double rest)
 static void solve(lanes *l, const double *c, double stiffness, double dt, const scree_tools *tools)
 {
    double rest = c[C] > 0.0 ? dt * c[RATE] : 0.0, going = 1.0;
-   for (int i = 0; i < l->count; i++)
+
+   l->filled = 8 * ((l->count + 7) / 8);
+   for (int i = l->count; i < l->filled; i++) {
+      l->trial[i] = l->trial[0];
+      l->fixed[i] = l->fixed[0];
+      l->amplitude[i] = l->amplitude[0];
+      l->argument[i] = l->argument[0];
+   }
+   for (int i = 0; i < l->filled; i++)
       l->base[i] = l->argument[i];
    raise(l, c[N], tools);
    start(l, c[N], stiffness);
    for (int iteration = 0; iteration < 200; iteration++) {
       going = 0.0;
-      for (int i = 0; i < l->count; i++)
+      for (int i = 0; i < l->filled; i++)
          going = larger(going, l->going[i]);
       if (!(going > 0.0))
          return;
-      for (int i = 0; i < l->count; i++)
+      for (int i = 0; i < l->filled; i++)
          l->base[i] = l->argument[i] + l->x[i];
       raise(l, c[N], tools);
       if (c[C] > 0.0)
@@ -185,31 +197,40 @@ static void move_results(const lanes *l, scree_rows *r, int64_t offset)
    }
 }
 
-/* Homologous temperature, 0 to 1. */
-static inline double homologous(const scree_rows *r, int64_t i, double factor)
+/* Equivalent stresses and homologous temperatures of a group; how many may flow. */
+static int find_trial(const scree_rows *r, int64_t offset, int rows, double *mises, double *warmth)
 {
-   return smaller(larger((r->temperature[i] - r->constants[T_REF]) * factor, 0.0), 1.0);
+   const double *c = r->constants;
+   const double bound = c[M] >= 1.0 ? c[A] : 0.0, factor = 1.0 / (c[T_MELT] - c[T_REF]);
+   const double *xx = r->stress[SCREE_XX] + offset, *yy = r->stress[SCREE_YY] + offset,
+      *zz = r->stress[SCREE_ZZ] + offset, *xy = r->stress[SCREE_XY] + offset,
+      *yz = r->stress[SCREE_YZ] + offset, *xz = r->stress[SCREE_XZ] + offset,
+      *temperature = r->temperature + offset;
+   double above = 0.0, t_ref = c[T_REF];
+
+   for (int n = 0; n < rows; n++) {
+      mises[n] = sqrt(1.5 * (xx[n] * xx[n] + yy[n] * yy[n] + zz[n] * zz[n]
+         + 2.0 * (xy[n] * xy[n] + yz[n] * yz[n] + xz[n] * xz[n])));
+      warmth[n] = smaller(larger((temperature[n] - t_ref) * factor, 0.0), 1.0);
+   }
+   for (int n = 0; n < rows; n++)
+      above = larger(above, mises[n] - bound * (1.0 - warmth[n]));
+   return above > 0.0;
 }
 
 void scree_law_update(scree_rows *r)
 {
    const double *c = r->constants;
-   const double bound = c[M] >= 1.0 ? c[A] : 0.0, factor = 1.0 / (c[T_MELT] - c[T_REF]);
+   const double bound = c[M] >= 1.0 ? c[A] : 0.0;
    double mises[LANES], warmth[LANES];
    lanes l;
 
    for (int64_t offset = 0; offset < r->count; offset += LANES) {
-      int rows = (int)(r->count - offset < LANES ? r->count - offset : LANES), above = 0;
-      for (int n = 0; n < rows; n++) {
-         int64_t i = offset + n;
-         double xx = r->stress[0][i], yy = r->stress[1][i], zz = r->stress[2][i];
-         double xy = r->stress[3][i], yz = r->stress[4][i], xz = r->stress[5][i];
-         mises[n] = sqrt(1.5 * (xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz)));
-         warmth[n] = homologous(r, i, factor);
-         above += mises[n] > bound * (1.0 - warmth[n]);
-      }
+      int rows = (int)(r->count - offset < LANES ? r->count - offset : LANES);
+      if (!find_trial(r, offset, rows, mises, warmth))
+         continue;
       l.count = 0;
-      for (int n = 0; above > 0 && n < rows; n++) {
+      for (int n = 0; n < rows; n++) {
          if (!(mises[n] > bound * (1.0 - warmth[n])))
             continue;
          l.place[l.count] = n;
