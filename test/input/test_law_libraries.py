@@ -125,7 +125,11 @@ def test_no_library(options):
     run = prepared(options, "missing", GOOD)
     (run.folder / "law.so").unlink()
     run.run("--check", expect=2)
-    assert f"library: cannot read '{run.folder}/law.so': No such file or directory" in run.output, run.output
+    assert "cannot open shared object file: No such file or directory [F127]" in run.output, run.output
+    # the field of the library in &output is not an error of its own
+    assert "7 groups, 1 errors" in run.output, run.output
+    run.run("--check", "-s", "material.library=.", expect=2)
+    assert "[F127]" in run.output, run.output
     (run.folder / "law.so").write_text("not a library", encoding="ascii")
     run.run("--check", expect=2)
     assert "cannot use the library" in run.output and "[F127]" in run.output, run.output

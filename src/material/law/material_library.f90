@@ -7,7 +7,7 @@
 module material_library
    use base_elementary, only: take_exponentials, take_fast_powers, take_logarithms, take_powers
    use base_error, only: error_t, exit_input, fail
-   use base_file, only: read_file, real_path
+   use base_file, only: read_file
    use base_hash, only: digest_text, hash_text
    use base_libc, only: c_dlopen, c_dlsym, load_now, loading_failure, text_at
    use base_text, only: number
@@ -117,16 +117,16 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The file is no library with a law
       procedure(law_version_i), pointer :: version
       procedure(law_declaration_i), pointer :: declaration
-      character(len=:), allocatable :: bytes, fault
+      character(len=:), allocatable :: bytes, fault, file
       type(c_ptr) :: handle
       type(c_funptr) :: place(3)
 
       library%path = path
-      call read_file(path, bytes, error)
-      if (allocated(error)) return
-      library%digest = digest_text(hash_text(bytes))
       fault = ""
-      handle = c_dlopen(real_path(path)//c_null_char, load_now)
+      ! a name without a folder would be searched in the folders of the system
+      file = path
+      if (index(path, "/") == 0) file = "./"//path
+      handle = c_dlopen(file//c_null_char, load_now)
       if (.not. c_associated(handle)) fault = loading_failure()
       if (fault == "") call find_procedure(handle, "scree_law_interface", place(1), fault)
       if (fault == "") then
@@ -141,7 +141,12 @@ contains
          call c_f_procpointer(place(2), declaration)
          call fill_library(text_at(declaration(), longest_text), place(3), library, fault)
       end if
-      if (fault == "") call find_options(handle, library)
+      if (fault == "") then
+         call find_options(handle, library)
+         call read_file(path, bytes, error)
+         if (allocated(error)) return
+         library%digest = digest_text(hash_text(bytes))
+      end if
       if (fault /= "") call fail(error, exit_input, "cannot use the library '"//path//"': "// &
          fault//" [F127]")
    end subroutine open_library
