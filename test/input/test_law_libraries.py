@@ -103,6 +103,12 @@ UNFIT = {
 }
 
 
+def skip_if_trapped(options):
+    """Skip what makes numbers that are not finite in a build that traps them."""
+    if " Debug " in case.version(options.scree):
+        pytest.skip("a build that traps bad numbers stops before the message")
+
+
 def prepared(options, name, constants, *flags):
     """A case with its library."""
     run = case.Case(options, name, DECK.format(constants=constants))
@@ -163,6 +169,8 @@ def test_rejected(options):
 def test_unfit(options, name):
     """`--check` finds laws that break a rule; a run accepts those that are finite."""
     body, said = UNFIT[name]
+    if name in ("infinite", "reports"):
+        skip_if_trapped(options)
     run = prepared(options, name, GOOD, f"-DBODY={body}").run("--check", expect=2)
     assert said in run.output and "[F128]" in run.output, run.output
 
@@ -176,6 +184,7 @@ def test_orientation(options):
 
 def test_error_in_run(options):
     """An error ends the run with its number and meaning, the same for one and two ranks."""
+    skip_if_trapped(options)
     body = "-DBODY=if (r->gradient[0][0] < -1e-9) { r->error = -7; r->error_row = 0; }"
     said = []
     for ranks in (1, 2) if case.has_ranks(options.scree) else (1,):
