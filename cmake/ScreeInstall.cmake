@@ -45,7 +45,14 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/python/" DESTINATION "${CMAKE_INSTALL_D
    PATTERN __pycache__ EXCLUDE PATTERN tests EXCLUDE)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/input/" DESTINATION "${CMAKE_INSTALL_DATADIR}/scree/input"
    FILES_MATCHING PATTERN "*.nml" PATTERN "*.md" PATTERN "*.csv" PATTERN "*.png" PATTERN "*.py"
-   PATTERN "*.stl")
+   PATTERN "*.stl" PATTERN "*.c" PATTERN "*.h" PATTERN "*.f90" PATTERN "*.inc")
+# The header of strength laws in libraries. Commands of the manual work in the build tree too.
+set(scree_law_interface scree_law.h scree_law.f90)
+file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/include")
+foreach(file IN LISTS scree_law_interface)
+   install(FILES "${PROJECT_SOURCE_DIR}/input/laws/${file}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+   file(CREATE_LINK "${PROJECT_SOURCE_DIR}/input/laws/${file}" "${PROJECT_BINARY_DIR}/include/${file}" SYMBOLIC)
+endforeach()
 # The program looks for the scenes at the same place in the build tree.
 file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/share/scree")
 file(CREATE_LINK "${PROJECT_SOURCE_DIR}/input" "${PROJECT_BINARY_DIR}/share/scree/input" SYMBOLIC)

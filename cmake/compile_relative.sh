@@ -24,7 +24,8 @@ if [ -z "${place}" ]; then
    exec "$@"
 fi
 # The other paths are relative too, where they can be: options are part of debug information, and
-# gfortran 12 has been seen to order components in a finalizer by the length of the paths of modules.
+# gfortran 12 has been seen to order components in a finalizer by the length of the paths of
+# modules.
 case "${place}" in
    "${build}") here= ;;
    *)

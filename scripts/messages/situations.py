@@ -31,6 +31,21 @@ STATES = """# density temperature pressure energy
 2000  600  3.444e8  4.305e5
 """
 COLD = STATES.replace("1000  600  1.722e8  4.305e5", "1000  600  1.722e8  1.5e5")
+LAW = r'''int scree_law_interface(void) { return 1; }
+const char *scree_law_declaration(void) { return "law soft\nconstant Y [Pa] > 0 : yield stress\n"; }
+void scree_law_update(void *rows) { (void)rows; }
+'''
+COMPILED = "cc -fPIC -shared law.c -o law.so"
+OWN_LAW = BAR.replace("poisson = 0.3 /", "poisson = 0.3\n  strength_model = 'library'  library = 'law.so'  "
+                      "library_constants = 'Y = 90 MPa' /")
+WARM_LAW = LAW.replace("nconstant", "nneeds temperature\\nconstant")
+STATIC_LAW = '''#include <stdint.h>
+struct rows { int64_t count; double numbers[4], *constants, *stress[6]; };
+static double calls;
+int scree_law_interface(void) { return 1; }
+const char *scree_law_declaration(void) { return "law soft\\nconstant Y [Pa] > 0 : yield stress\\n"; }
+void scree_law_update(struct rows *r) { calls += 1; for (int i = 0; i < r->count; i++) r->stress[3][i] += calls; }
+'''
 SERIES = BAR + """&output name = 'p'  kind = 'particles'  every = 2 /
 &checkpoint dt = 2e-5  keep = 0 /
 """
@@ -521,6 +536,18 @@ SITUATIONS = {
         "text": "The run that wrote the snapshot had no such line:", "shows": "&method paper = .true. /",
         "commands": [CHECK], "right": "&method paper = .false. /",
         "right_files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .false. /\n"}},
+    "D369": {
+        "files": {"scene.nml": OWN_LAW.replace("'Y = 90 MPa'", "'yield = 90 MPa'"), "law.c": LAW}, "before": [COMPILED],
+        "text": "The library of the law declares one constant, Y, in Pa:",
+        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},
+        "right": "library_constants = 'Y = 90 MPa'\n",
+        "see": ["../guide/own_law.md#what-the-deck-states"]},
+    "D370": {
+        "files": {"scene.nml": OWN_LAW, "law.c": WARM_LAW}, "before": [COMPILED],
+        "text": "The library declares `needs temperature`:",
+        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},
+        "right": "&effects thermal = .true. /\n",
+        "see": ["../guide/own_law.md#what-the-library-declares"]},
     "F118": {
         "files": {"scene.nml": PUSHED, "ram.csv": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1")},
         "text": "The table `ram.csv`; a velocity is missing in its third line:",
@@ -532,6 +559,17 @@ SITUATIONS = {
         "shows": COLD,
         "commands": [CHECK], "right": STATES, "right_files": {"scene.nml": STATES_DECK, "states.txt": STATES},
         "see": ["materials.md#equations-of-state-as-tables"]},
+    "F127": {
+        "files": {"scene.nml": OWN_LAW, "law.c": LAW.replace("void scree_law_update", "void update")},
+        "before": [COMPILED], "text": "The library has a procedure `update` and none of the name that is expected:",
+        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},
+        "right": "void scree_law_update(scree_rows *rows)\n", "see": ["../guide/own_law.md"]},
+    "F128": {
+        "files": {"scene.nml": OWN_LAW, "law.c": STATIC_LAW}, "before": [COMPILED],
+        "text": "The law counts its calls in a static variable, and adds the count to a stress:",
+        "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},
+        "right": "double calls = rows->history[0][i];\n",
+        "see": ["../guide/own_law.md#what-to-check"]},
     "F120": {
         "files": {"scene.nml": BAR}, "before": [RUN],
         "text": "The run is continued with outputs in other units:",

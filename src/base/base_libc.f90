@@ -8,12 +8,13 @@ module base_libc
    implicit none
    private
 
-   public :: c_access, c_close, c_creat, c_dlsym, c_dup2, c_fallocate, c_fsync, c_getpid, c_kill, &
-      c_lseek, c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, c_realpath, &
-      c_rename, c_rmdir, c_time, c_truncate, c_unlink, c_usleep, c_write, &
-      clear_failure, failure_number, failure_text, folder_entries
+   public :: c_access, c_close, c_creat, c_dlopen, c_dlsym, c_dup2, c_fallocate, c_fsync, &
+      c_getpid, c_kill, c_lseek, c_memfd_create, c_mkdir, c_mkdtemp, c_open, c_read, c_readlink, &
+      c_realpath, c_rename, c_rmdir, c_time, c_truncate, c_unlink, c_usleep, c_write, &
+      clear_failure, failure_number, failure_text, folder_entries, loading_failure, text_at
 
    integer, parameter, public :: longest_name = 255              !! Longest file name
+   integer(c_int), parameter, public :: load_now = 2     !! RTLD_NOW: all symbols at once
    integer, parameter :: name_offset = 19                !! Bytes before the name in a dirent
 
    interface
@@ -100,6 +101,20 @@ module base_libc
          integer(c_int), value :: flags                   !! 0
          integer(c_int) :: descriptor
       end function c_memfd_create
+
+      function c_dlopen(path, flags) bind(c, name="dlopen") result(library)
+         import :: c_char, c_int, c_ptr
+         implicit none
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
+         integer(c_int), value :: flags                   !! `load_now`
+         type(c_ptr) :: library                           !! Null: cannot be loaded
+      end function c_dlopen
+
+      function c_dlerror() bind(c, name="dlerror") result(text)
+         import :: c_ptr
+         implicit none
+         type(c_ptr) :: text                              !! Null: there was no failure
+      end function c_dlerror
 
       function c_dlsym(library, name) bind(c, name="dlsym") result(address)
          import :: c_char, c_ptr
@@ -270,6 +285,27 @@ contains
       call c_f_pointer(c_strerror(failure_number()), letters, [longest_text])
       text = text_until_null(letters)
    end function failure_text
+
+   !> Message of the last failure to load a library or to find a symbol in it.
+   function loading_failure() result(text)
+      character(len=:), allocatable :: text
+      integer, parameter :: longest_text = 1024
+
+      text = text_at(c_dlerror(), longest_text)
+   end function loading_failure
+
+   !> Text at an address, empty if that is null.
+   function text_at(address, most) result(text)
+      type(c_ptr), intent(in) :: address                  !! Null-terminated text
+      integer, intent(in) :: most                         !! Longest text; the rest is left out
+      character(len=:), allocatable :: text
+      character(kind=c_char), pointer :: letters(:)
+
+      text = ""
+      if (.not. c_associated(address)) return
+      call c_f_pointer(address, letters, [most])
+      text = text_until_null(letters)
+   end function text_at
 
    !> Text of characters up to the null.
    pure function text_until_null(letters) result(text)

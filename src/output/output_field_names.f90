@@ -59,11 +59,17 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Possibly incomplete after errors
       class(stream_t), intent(in) :: stream          !! Word of the kind of output
+      type(group_t) :: material
       type(store_t) :: none(0)
       character(len=field_length), allocatable :: names(:)
       type(error_t), allocatable :: error
       integer :: n
 
+      ! a library that could not be loaded declares fields too
+      do n = 1, deck%count("material")
+         material = deck%group("material", n)
+         if (material%given("library")) return
+      end do
       call list_fields(group, names)
       do n = 1, size(names)
          call stream%try_field(names(n), simulation, none, error)

@@ -19,6 +19,7 @@ module program_main
    use program_self_test, only: run_self_test
    use run_cost_report, only: cost_report, memory_bytes
    use run_existing_results, only: existing_results_text
+   use run_library_tests, only: test_libraries
    use run_material_point, only: drive_point
    use run_memory, only: memory_suffices
    use run_resume_command, only: program_arguments
@@ -194,6 +195,9 @@ contains
          run%outputs%full_snapshots(run%limits%time_end))
       existing = existing_results_text(run)
       if (len(existing) > 0) text = text//existing//new_line("a")
+      call test_libraries(run%simulation%materials, existing, error)
+      if (allocated(error)) return
+      text = text//existing
       call print_text(text, error)
       if (allocated(error)) return
       if (.not. estimate .or. run%survey%particles > most_particles) return

@@ -204,6 +204,10 @@ contains
             lines = simulation%materials(n)%eos%report()
             if (len(lines) > 0) text = text//"    equation of state: "//lines//new_line("a")
          end if
+         if (allocated(simulation%materials(n)%law)) then
+            lines = simulation%materials(n)%law%report()
+            if (len(lines) > 0) text = text//"    law: "//lines//new_line("a")
+         end if
          requests = simulation%materials(n)%field_requests()
          lines = requests%report()
          first = 1

@@ -2,13 +2,14 @@
 !> scree --point: drives one material of a deck along a strain path and writes its states.
 module run_material_point
    use base_communicator, only: communicator_t
-   use base_error, only: error_t, exit_physics, fail
+   use base_error, only: error_t, exit_physics, fail, without_code
    use base_file, only: make_folder, write_file
    use base_kinds, only: wp
    use base_text, only: brief, buffer_t, number
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_nothing, schema_t
    use material_point, only: point_t
+   use material_state, only: material_state_t
    use material_type, only: material_t
    use scene_material, only: read_material
    implicit none
@@ -118,9 +119,20 @@ contains
          trim(merge("particle_speed", "strain        ", point%path == "hugoniot"))//" = "// &
          brief(table(merge(1, 2, point%path == "hugoniot"), rows + 1))//"; "//name// &
          " has the rows before it: reduce strain, rate or speed in &point, or check the "// &
-         "constants [R136]")
+         "constants"//reason_of(material, point%state)//" [R136]")
       note = "point     "//material%name//"  "//point%path//"  "//name
    end subroutine drive_point
+
+   !> Reason that the law gives for a stress that is not finite; empty if there is none.
+   function reason_of(material, state) result(text)
+      type(material_t), intent(in) :: material
+      type(material_state_t), intent(in) :: state    !! State at the end of the path
+      character(len=:), allocatable :: text
+
+      text = ""
+      if (allocated(material%law)) text = material%law%fault_of_state(state, 1)
+      if (len(text) > 0) text = "; "//without_code(text)
+   end function reason_of
 
    !> Rows before the first one with a number that is not finite.
    pure integer function valid_rows(table) result(rows)

@@ -5,7 +5,7 @@
 Would catch a command of a document that does not work, a deck or a script that was renamed, and an option that no
 longer exists. Runs of the program are limited to a few steps or use few grains, checks make no estimate of the run
 time, scree-bench measures its smallest case, and studies that take minutes are only called with --help. Commands of
-scree-post are run by test_post_documents, two whole pages by tests of their own, and commands of single messages by
+scree-post are run by test_post_documents, some whole pages by tests of their own, and commands of single messages by
 test_message_pages.
 """
 
@@ -22,7 +22,7 @@ from post_command import RUNS
 
 # Pages that a test of its own runs from top to bottom.
 TYPED = {"doc/learn/first_hour.md": "test_first_hour.py", "doc/guide/geometry.md": "test_geometry_page.py",
-         "doc/guide/calibrate.md": "test_geometry_page.py"}
+         "doc/guide/calibrate.md": "test_geometry_page.py", "doc/guide/own_law.md": "test_own_law_page.py"}
 # Beginnings of commands that another test runs, or that are not to be run.
 ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post": "test_post_documents.py",
              "paraview": "test_paraview.py", "pvbatch": "test_paraview.py",

@@ -5,13 +5,15 @@ module material_checks
    use deck_reader, only: deck_t, group_t
    use material_effects, only: effects_t, in_order
    use material_failed, only: failed_law_fault
+   use material_field_requests, only: field_requests_t
+   use material_library_text, only: library_fields_text, library_text_t
    use material_models, only: models_t
    use material_softening, only: softening_fault
    use material_voids, only: voids_fault
    implicit none
    private
 
-   public :: check_material
+   public :: check_library, check_material
 
 contains
 
@@ -226,6 +228,39 @@ contains
       if (group%given("t_melt")) call deck%add_error(group, "t_melt is not used by "// &
          "strength_model = '"//strength//"', which does not melt; remove it [D349]", "t_melt")
    end subroutine check_whole_stress
+
+   !> Check that a law in a library gets what it needs, and that no other model has its fields.
+   subroutine check_library(material, group, effects, declared, deck)
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects
+      type(library_text_t), intent(in) :: declared   !! Declaration of the library
+      type(deck_t), intent(inout) :: deck
+      type(field_requests_t) :: others
+      character(len=:), allocatable :: fields
+      integer :: n
+
+      call group%get("library_fields", fields)
+      if (.not. group%given("library_fields")) then
+         call deck%set_default("material", group%place, "library_fields", &
+            library_fields_text(declared))
+      else if (fields /= library_fields_text(declared)) then
+         call deck%add_error(group, "the fields of the library are '"// &
+            library_fields_text(declared)//"', not '"//fields//"'; use the library for which "// &
+            "the deck was written, or remove library_fields [D370]", "library_fields")
+      end if
+      if (declared%needs_temperature .and. .not. effects%thermal) call deck%add_error(group, &
+         "the law '"//declared%name//"' of the library needs temperatures; set &effects "// &
+         "thermal = .true. [D370]", "library")
+      if (allocated(material%eos)) call material%eos%request(others)
+      if (allocated(material%damage)) call material%damage%request(others)
+      do n = 1, size(declared%fields)
+         if (declared%fields(n)%name == "plastic_strain") cycle
+         if (others%has(declared%fields(n)%name)) call deck%add_error(group, "field '"// &
+            declared%fields(n)%name//"' of the library is also one of eos_model or "// &
+            "damage_model; rename that of the library [D370]", "library")
+      end do
+   end subroutine check_library
 
    !> True if strength or damage follows the temperature up to melting.
    logical function needs_melting(material, group) result(needed)

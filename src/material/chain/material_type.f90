@@ -2,11 +2,13 @@
 !> A material of the scene, read from its &material.
 module material_type
    use base_kinds, only: int64, wp
+   use base_text, only: text_t
    use deck_reader, only: deck_t, group_t
    use material_catalogue, only: choose_damage, choose_eos, choose_law
-   use material_checks, only: check_material
+   use material_checks, only: check_library, check_material
    use material_effects, only: effects_t
    use material_failed, only: choose_failed_law, keeps_no_stress
+   use material_library, only: library_t
    use material_update, only: chain_t
    implicit none
    private
@@ -23,12 +25,13 @@ contains
 
    !> Make a material from its group and check the combination of its keys. The material is complete
    !! only if neither it nor the groups that it depends on have errors.
-   subroutine material_read(self, deck, place, table, path)
+   subroutine material_read(self, deck, place, table, path, library)
       class(material_t), intent(out) :: self
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: place                   !! Number among the &material of the deck
       character(len=*), optional, intent(in) :: table !! Text of the file of eos_table, if it is set
       character(len=*), optional, intent(in) :: path !! Name of that file, for messages
+      type(library_t), optional, intent(in) :: library !! Library of its law, if it has one
       character(len=14), parameter :: models(5) = [character(len=14) :: "elastic", "eos_model", &
          "strength_model", "damage_model", "preset"]
       character(len=:), allocatable :: fault, doubt
@@ -40,13 +43,14 @@ contains
       call group%get("name", self%name)
       ! a misspelt model or preset is reported already; errors in its keys would only follow from it
       if (.not. group%valid(models)) return
-      call choose_models(self, group, effects)
+      call choose_models(self, group, effects, deck, library)
       if (present(table) .and. allocated(self%eos)) then
          call self%eos%take_file(table, path, group, fault, doubt)
          if (len(doubt) > 0) call deck%warn(group, "eos_table: "//doubt, "eos_table")
          if (len(fault) > 0) call deck%add_error(group, "eos_table: "//fault, "eos_table")
       end if
       call check_material(self, group, effects, deck)
+      if (present(library)) call check_library(self, group, effects, library%declared, deck)
       if (.not. (deck%sound("material", place) .and. deck%sound("effects") .and. &
          deck%sound("method") .and. deck%sound("run"))) return
       call group%get("density", self%density)
@@ -63,17 +67,28 @@ contains
    end subroutine material_read
 
    !> Allocate the requested models.
-   subroutine choose_models(material, group, effects)
+   subroutine choose_models(material, group, effects, deck, library)
       class(material_t), intent(inout) :: material
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(library_t), optional, intent(in) :: library !! Library of its law, if it has one
+      type(text_t), allocatable :: faults(:)
       character(len=:), allocatable :: word
+      integer :: n
 
       call group%get("elastic", word)
       if (effects%strength .and. word == "isotropic") then
          call group%get("strength_model", word)
          call choose_law(word, material%law)
          if (allocated(material%law)) call material%law%read_mode(group)
+      end if
+      ! before the other models, because the library says whether it gives the whole stress
+      if (present(library) .and. allocated(material%law)) then
+         call material%law%take_library(library, group, deck%system, faults)
+         do n = 1, size(faults)
+            call deck%add_error(group, faults(n)%text, "library_constants")
+         end do
       end if
       call group%get("eos_model", word)
       if (effects%eos .and. .not. material%has_whole_stress()) call choose_eos(word, material%eos)

@@ -3,7 +3,7 @@
 !! 157): the equivalent stress q is not above M p + k, which ends in an apex at the pressure -k/M.
 !!
 !! Plastic flow dilates by b per equivalent plastic strain. M, k and b are those of the cone that
-!! touches the Mohr-Coulomb surface at the position selected by dp_cone. Equation (Y.20) of
+!! touches the Mohr-Coulomb surface at the position selected by dp_cone. Equation (Y.23) of
 !! doc/theory/strength.md.
 module law_drucker_prager
    use base_kinds, only: wp
@@ -81,7 +81,7 @@ contains
       self%heat_share = 1.0_wp
    end subroutine drucker_prager_set
 
-   !> Slope of the cone of an angle. Equation (Y.21).
+   !> Slope of the cone of an angle. Equation (Y.24).
    pure real(wp) function cone(angle, where_cone) result(slope)
       real(wp), intent(in) :: angle                  !! Angle of friction or dilation [rad]
       character(len=*), intent(in) :: where_cone     !! Where it touches Mohr-Coulomb
@@ -99,7 +99,7 @@ contains
    !> Return to cone or apex (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods
    !! for plasticity", 2008, section 8.3). Flow dilates only on the cone, because separated grains
    !! do not climb over each other. The work uses the mean pressure (p + p')/2 of the step, where
-   !! the pressure before it is that of the trial less the change by the strain. Equation (Y.22).
+   !! the pressure before it is that of the trial less the change by the strain. Equation (Y.25).
    pure subroutine drucker_prager_update(self, state, deformation, first, last, dt)
       class(law_drucker_prager_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state       !! State of the store

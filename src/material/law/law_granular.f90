@@ -7,7 +7,7 @@
 !! with the spin W and the rate of strain D, and 1/tau = 1/gr_tau + rate/gr_gamma_c, where the rate
 !! is sqrt(2 D' : D'). With gr_gamma_c alone the stress does not depend on the rate and does not
 !! relax at rest. In mode total the whole stress relaxes, in mode deviator the equation of state
-!! gives the pressure. Equations (Y.15) and (Y.16) of doc/theory/strength.md.
+!! gives the pressure. Equations (Y.18) and (Y.19) of doc/theory/strength.md.
 module law_granular
    use base_kinds, only: wp
    use deck_group_values, only: group_t

@@ -4,7 +4,7 @@
 !! (s1 + s3) sin(phi) is not above 2 c cos(phi).
 !!
 !! Flow follows the same surface with the angle of dilation in place of that of friction. Equation
-!! (Y.23) of doc/theory/strength.md.
+!! (Y.26) of doc/theory/strength.md.
 module law_mohr_coulomb
    use base_kinds, only: wp
    use deck_group_values, only: group_t
@@ -145,7 +145,7 @@ contains
    !> Deviator after the return to the plane of the greatest and the least stress, or, where that
    !! would change their order, to the edge with the plane next to it (E. A. de Souza Neto, D.
    !! Peric, D. R. J. Owen, "Computational methods for plasticity", 2008, section 8.2; here without
-   !! hardening and so in closed form). Equation (Y.24).
+   !! hardening and so in closed form). Equation (Y.27).
    pure subroutine return_principal(law, bulk, pressure, trial, values, multipliers)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: bulk                   !! Tangent bulk modulus [Pa]

@@ -4,7 +4,7 @@
 !! inertial number I = rate d sqrt(rho_s/p) has the diameter d and the density rho_s of a grain.
 !!
 !! Below mu_s the grains are an elastic solid, and without pressure and cohesion they support
-!! nothing (S. Dunatunga, K. Kamrin, J. Fluid Mech. 779 (2015) 483). Equation (Y.25) of
+!! nothing (S. Dunatunga, K. Kamrin, J. Fluid Mech. 779 (2015) 483). Equation (Y.28) of
 !! doc/theory/strength.md.
 module law_mu_i
    use base_kinds, only: wp
@@ -99,7 +99,7 @@ contains
    !! t' - t = G dt rate and t = c + mu(I) p: with a = G dt I0/d sqrt(p/rho_s) and the strengths l =
    !! c + mu_s p of slow and h = c + mu_2 p of fast flow it is the smaller root of t**2 - (h + t' +
    !! a) t + h t' + l a = 0 (Dunatunga and Kamrin, as above, without c). In tension the friction is
-   !! mu_s, up to the apex at p = -c/mu_s. Equation (Y.26).
+   !! mu_s, up to the apex at p = -c/mu_s. Equation (Y.29).
    pure subroutine mu_i_update(self, state, deformation, first, last, dt)
       class(law_mu_i_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state       !! State of the store
@@ -145,7 +145,7 @@ contains
    end subroutine mu_i_update
 
    !> Inertial number of the step, that of the shear rate of the flow, 0 where no pressure holds
-   !! grains together. Equation (Y.25).
+   !! grains together. Equation (Y.28).
    pure subroutine note_inertial_number(scale, state, deformation, first, last)
       real(wp), intent(in) :: scale                  !! d sqrt(rho_s) over the time step [Pa^1/2]
       type(material_state_t), intent(inout) :: state       !! State of the store

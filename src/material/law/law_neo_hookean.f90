@@ -5,7 +5,7 @@
 !! The energy of a unit of reference volume is mu/2 (tr F^T F - 3) - mu ln J + lambda/2 (ln J)**2
 !! (J. Bonet, R. D. Wood, "Nonlinear continuum mechanics for finite element analysis", 1997). The
 !! stress does not depend on the path, so a released particle returns to its initial state.
-!! Equations (Y.9) and (Y.10) of doc/theory/strength.md.
+!! Equations (Y.12) and (Y.13) of doc/theory/strength.md.
 module law_neo_hookean
    use base_elementary, only: logarithm, take_logarithms
    use base_kinds, only: wp
@@ -104,7 +104,7 @@ contains
    !! ((lambda + mu - lambda ln J) n n + mu (n b n) I)/J, so that waves of pressure have
    !! rho0 c**2 = lambda + mu - lambda ln J + mu n b n. The greatest eigenvalue of b is bounded by
    !! tr b/3 + sqrt(2/3 b' : b'), which is that of a stretch along one axis. The speed is not less
-   !! than at rest. Equation (Y.12).
+   !! than at rest. Equation (Y.15).
    pure subroutine neo_hookean_add_wave_speed(self, state, deformation, first, last)
       class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(in) :: state          !! State of the store

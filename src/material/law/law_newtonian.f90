@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Viscous fluid of Newton: the deviator of the stress is 2 eta times that of the rate of strain.
-!! Equation (Y.13) of doc/theory/strength.md.
+!! Equation (Y.16) of doc/theory/strength.md.
 module law_newtonian
    use base_kinds, only: wp
    use deck_group_values, only: group_t
@@ -111,7 +111,7 @@ contains
 
    !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
    !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Together both
-   !! are at least the previous wave speed plus 2 Q. Equation (Y.14).
+   !! are at least the previous wave speed plus 2 Q. Equation (Y.17).
    pure subroutine newtonian_add_viscous_speed(self, state, deformation, first, last, spacing)
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

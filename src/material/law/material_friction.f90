@@ -163,7 +163,7 @@ contains
    !> Remove the dilatant volume, if there is one, from the pressure: p + rho c**2 (exp(gained) -
    !! 1), exact for p = K (rho/rho0 - 1). The dilatancy of the step, x times the volume gained
    !! before, then increases the pressure by exactly rho c**2 exp(gained) x; `strength%tangent` gets
-   !! c**2 exp(gained). Equation (Y.27) of doc/theory/strength.md.
+   !! c**2 exp(gained). Equation (Y.30) of doc/theory/strength.md.
    pure subroutine add_dilation_pressure(state, deformation, first, last)
       type(material_state_t), intent(in) :: state          !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -186,7 +186,7 @@ contains
    end subroutine add_dilation_pressure
 
    !> Add the dilatancy of a step, a fraction of the volume gained before, if there is a dilatant
-   !! volume. Equation (Y.27).
+   !! volume. Equation (Y.30).
    pure subroutine add_dilation(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range

@@ -6,7 +6,8 @@ module material_kinematics
    implicit none
    private
 
-   public :: centre_backward, centre_gradient, deform, dilate, follow_motion, predict_deviator
+   public :: centre_backward, centre_gradient, corotate_strain, deform, dilate, follow_motion, &
+      predict_deviator
 
    real(wp), parameter :: third = 1.0_wp/3.0_wp, twelfth = 1.0_wp/12.0_wp
 
@@ -133,7 +134,7 @@ contains
    end subroutine dilate
 
    !> Volume and deformation gradient after the step: F becomes (I + G) F and the volume grows by
-   !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C. Equation (Y.11) of
+   !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C. Equation (Y.14) of
    !! doc/theory/strength.md.
    pure subroutine deform(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
@@ -194,7 +195,7 @@ contains
    !!
    !! From exp(dt L) = I + G follows dt L = 2 artanh(C/2) = C + C**3/12 + C**5/80 + C**7/448 +
    !! C**9/2304 + ... The next term is C**11/11264; for a full turn in 50 steps the stress lags by
-   !! 1e-14. Equation (Y.17).
+   !! 1e-14. Equation (Y.20).
    pure subroutine follow_motion(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -294,6 +295,31 @@ contains
          state%stress(k, 6) = sxz + dxz
       end do
    end subroutine predict_deviator
+
+   !> Replace the strain D of gradients by that of the frame at the end of the step, (D + Q D QT)/2
+   !! with the rotation Q of the step, for laws that add a stress to the rotated one. Equation
+   !! (Y.11) of doc/theory/strength.md.
+   pure subroutine corotate_strain(deformation, count)
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: count                         !! Particles of the range
+      real(wp) :: g(9), d(6), e(6), wx, wy, wz
+      integer :: i
+
+      do i = 1, count
+         g(:) = deformation%gradient(i, 1:9)
+         wx = 0.5_wp*(g(6) - g(8))
+         wy = 0.5_wp*(g(7) - g(3))
+         wz = 0.5_wp*(g(2) - g(4))
+         d(:) = [g(1), g(5), g(9), 0.5_wp*(g(4) + g(2)), 0.5_wp*(g(8) + g(6)), &
+            0.5_wp*(g(7) + g(3))]
+         e(:) = d
+         call rotate(1.0_wp/(1.0_wp + 0.25_wp*(wx*wx + wy*wy + wz*wz)), wx, wy, wz, e(1), e(2), &
+            e(3), e(4), e(5), e(6))
+         d(:) = 0.5_wp*(d + e)
+         deformation%gradient(i, 1:9) = [d(1), d(4) + wz, d(6) - wy, d(4) - wz, d(2), d(5) + wx, &
+            d(6) + wy, d(5) - wx, d(3)]
+      end do
+   end subroutine corotate_strain
 
    !> The same if y is decoupled: gradients and stresses with one index y are zero,
    !! and rotations are about y.

@@ -3,12 +3,14 @@
 !! the whole stress itself.
 module material_law
    use base_kinds, only: wp
+   use base_text, only: text_t
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
    use material_effects, only: effects_t
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
    use material_kinematics, only: predict_deviator
+   use material_library, only: library_t
    use material_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -25,6 +27,9 @@ module material_law
       real(wp) :: heat_share = 0.9_wp !! Heated by plastic work (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
+      procedure :: take_library => law_take_library  !! Gets its library, if it is in one
+      procedure :: is_in_library => law_is_in_library !! True for a law of the user
+      procedure :: report => law_report              !! What a user may want to know about it
       procedure :: read_mode => law_read_mode        !! Reads keys that decide on other models
       procedure :: fault => law_fault                !! Error in the combination of its keys
       procedure :: read => law_read                  !! Reads its keys
@@ -47,6 +52,7 @@ module material_law
       procedure :: add_viscous_speed => law_add_viscous_speed
       procedure :: stored_energy => law_stored_energy !! Energy stored in a particle
       procedure :: least_pressure => law_least_pressure !! Least pressure it supports
+      procedure :: fault_of_state => law_fault_of_state !! Why a particle has no stress
    end type law_t
 
    abstract interface
@@ -78,6 +84,32 @@ contains
       type(group_t), intent(in) :: group                       !! &material
       type(effects_t), intent(in) :: effects
    end subroutine law_read
+
+   !> Get the library with the law, and read its constants. Only a law in a library has one.
+   subroutine law_take_library(self, library, group, system, faults)
+      class(law_t), intent(inout) :: self
+      type(library_t), intent(in) :: library                   !! As loaded
+      type(group_t), intent(in) :: group                       !! &material
+      integer, intent(in) :: system                            !! Units of the deck
+      type(text_t), allocatable, intent(out) :: faults(:)      !! Errors in its constants
+
+      allocate (faults(0))
+   end subroutine law_take_library
+
+   !> True if the law is in a shared library of the user.
+   pure logical function law_is_in_library(self) result(is_in)
+      class(law_t), intent(in) :: self
+
+      is_in = .false.
+   end function law_is_in_library
+
+   !> Properties of the law that are not in the deck; empty if there are none.
+   function law_report(self) result(text)
+      class(law_t), intent(in) :: self
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function law_report
 
    !> Read the words that decide which other models the material has, before the deck is checked.
    pure subroutine law_read_mode(self, group)
@@ -252,6 +284,16 @@ contains
 
       pressure = -huge(1.0_wp)
    end function law_least_pressure
+
+   !> Why a particle has no finite stress; empty if the law does not know.
+   function law_fault_of_state(self, state, particle) result(text)
+      class(law_t), intent(in) :: self
+      type(material_state_t), intent(in) :: state              !! State of the store
+      integer, intent(in) :: particle                          !! Index in the store
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function law_fault_of_state
 
    !> Equivalent stress of von Mises of the trial deviators, sqrt(3/2 s:s), in place of the plastic
    !! increments.

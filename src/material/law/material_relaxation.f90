@@ -8,7 +8,7 @@
 !! follow dz/dx = -(k - i m w) z + g with m = 0, 1, 2 independently, and the solution is
 !! z(1) = exp(-y) z(0) + g f1(y) with y = k - i m w and f1(y) = (1 - exp(-y))/y. The integral of z
 !! over the step, which gives the work, is z(0) f1(y) + g f2(y) with f2(y) = (1 - f1(y))/y.
-!! Equations (Y.18) and (Y.19) of doc/theory/strength.md.
+!! Equations (Y.21) and (Y.22) of doc/theory/strength.md.
 module material_relaxation
    use base_kinds, only: wp
    use material_state, only: deformation_t, material_state_t

@@ -36,7 +36,7 @@ module step_grid_volumes
 contains
 
    !> Fill of the nodes of a tile above 1, or below 1 where no surface is near, beyond the tolerance
-   !! for noise. Equation (Y.28) of doc/theory/strength.md.
+   !! for noise. Equation (Y.31) of doc/theory/strength.md.
    pure subroutine excess_fill(grid, boundary, coordinate, filled, counted, excess)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Faces of the domain
@@ -61,7 +61,7 @@ contains
    end subroutine excess_fill
 
    !> Let the particles of a tile grow and shrink. The elastic energy that compressed particles lose
-   !! is recorded if they carry no internal energy to keep it. Equation (Y.29).
+   !! is recorded if they carry no internal energy to keep it. Equation (Y.32).
    pure subroutine correct_volumes(store, tile, material, excess, ledger)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile

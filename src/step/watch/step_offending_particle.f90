@@ -311,7 +311,7 @@ contains
       text = trim(line)
    end function fault_text
 
-   !> Reason why the material has no stress, if its equation of state gives one.
+   !> Reason why the material has no stress, if its equation of state or its law gives one.
    function reason_text(materials, stores, found, fault) result(text)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(in) :: stores(:)
@@ -323,8 +323,10 @@ contains
       if (fault /= fault_stress) return
       associate (state => stores(found%store)%state, p => found%particle, &
          material => materials(found%store))
-         if (.not. (allocated(material%eos) .and. allocated(state%energy))) return
-         text = material%eos%fault_of_state(state%mass(p)/state%volume(p), state%energy(p))
+         if (allocated(material%eos) .and. allocated(state%energy)) &
+            text = material%eos%fault_of_state(state%mass(p)/state%volume(p), state%energy(p))
+         if (len(text) == 0 .and. allocated(material%law)) &
+            text = material%law%fault_of_state(state, p)
       end associate
       if (len(text) > 0) text = "; "//without_code(text)
    end function reason_text
