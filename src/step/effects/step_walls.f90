@@ -3,12 +3,13 @@
 !! walls and of gravity.
 module step_walls
    use base_elementary, only: cross
+   use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use mesh_boundary, only: boundary_t
    use mesh_rigid, only: held_t
    use mesh_wall, only: wall_t
-   use mesh_wall_sums, only: wall_push_t
+   use mesh_wall_sums, only: body_entries, wall_entries, wall_push_t
    use step_dissipation, only: measures_damping, record_damped
    use step_ledger, only: ledger_t
    use step_method, only: method_t
@@ -18,7 +19,7 @@ module step_walls
    implicit none
    private
 
-   public :: apply_walls, constrain_tile, hold_at_walls, pair_row, record_push, &
+   public :: apply_boundaries, apply_walls, constrain_tile, hold_at_walls, pair_row, record_push, &
       record_stopped, record_unbalanced, record_walls, start_walls, &
       stop_at_walls, walls_touch
 
@@ -191,10 +192,15 @@ contains
          measures_damping(scheme%method, scheme%carries_energy) .and. .not. keeps) &
          brought = velocity
       if (ruled .and. dt > 0.0_wp .and. tile <= space%tiles%own .and. &
-         allocated(scratch%ledger%walls%total)) then
+         (allocated(scratch%ledger%walls%total) .or. allocated(scratch%bodies))) then
          call apply_walls(space, scheme%method, clock, tile, dt, velocity, acceleration, &
             push, work, each)
-         call record_walls(space, nodes%motion, scratch%ledger, tile, each)
+         if (allocated(scratch%ledger%walls%total)) &
+            call record_walls(space, nodes%motion, scratch%ledger, tile, each)
+         if (allocated(scratch%bodies)) then
+            if (space%rigid%meets_body(tile)) &
+               call record_bodies(space, nodes%motion, scratch%bodies, tile, each)
+         end if
       else if (ruled) then
          call apply_walls(space, scheme%method, clock, tile, dt, velocity, acceleration, push, work)
       end if
@@ -254,6 +260,25 @@ contains
       end select
    end function stage_acts
 
+   !> Impose on a tile what acts before the rigid regions: forces and velocities of boundaries.
+   pure subroutine apply_boundaries(space, method, clock, tile, dt, velocity, acceleration)
+      type(space_t), intent(in) :: space
+      type(method_t), intent(in) :: method
+      type(clock_t), intent(in) :: clock
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp) :: free(3, size(velocity, 2))
+      integer :: stage
+
+      free = velocity
+      do stage = forcing, holding
+         if (stage_acts(space%boundary, clock, stage, dt)) call apply_boundary(space, method, &
+            clock, tile, stage, dt, free, velocity, acceleration)
+      end do
+   end subroutine apply_boundaries
+
    !> Apply a stage of boundaries, all of them or one.
    pure subroutine apply_boundary(space, method, clock, tile, stage, dt, free, velocity, &
       acceleration, only)
@@ -283,6 +308,39 @@ contains
       end associate
    end subroutine apply_boundary
 
+   !> Record the impulse of rigid bodies that forces move on the nodes of a tile, its moment about
+   !! their centres, exactly as the particles get it. Equation (R.9) of doc/theory/rigid.md.
+   subroutine record_bodies(space, motion, sums, tile, each)
+      type(space_t), intent(in) :: space
+      type(motion_nodes_t), intent(in) :: motion
+      type(exact_sum_t), intent(inout) :: sums(:, :) !! (entry, region), private to this thread
+      integer, intent(in) :: tile
+      type(wall_push_t), intent(in) :: each          !! Force of each wall
+      real(wp) :: own(size(each%velocity, 2)), part(3), total(body_entries, size(sums, 2))
+      integer :: before, k, n, node, wall
+
+      call motion%own_mass(space%grid, tile, own)
+      before = number_of_walls(space) - size(space%rigid%wall)
+      total = 0.0_wp
+      associate (held => space%rigid%held(tile))
+         do n = 1, size(held%node)
+            node = held%node(n)
+            wall = held%wall(n)
+            if (.not. own(node) > 0.0_wp) cycle
+            if (.not. allocated(space%rigid%wall(wall)%body)) cycle
+            part = own(node)*each%gain(:, node, before + wall)
+            total(:3, wall) = total(:3, wall) + part
+            total(4:, wall) = total(4:, wall) + cross(held%place(:, n) &
+               - space%rigid%wall(wall)%body%centre, part)
+         end do
+      end associate
+      do wall = 1, size(sums, 2)
+         do k = 1, body_entries
+            if (abs(total(k, wall)) > 0.0_wp) call sums(k, wall)%add(total(k, wall))
+         end do
+      end do
+   end subroutine record_bodies
+
    !> Record the impulse and work of each wall on the nodes of a tile. Equation (O.2) of
    !! doc/theory/instruments.md.
    subroutine record_walls(space, motion, ledger, tile, each)
@@ -305,6 +363,8 @@ contains
             total = total + own(node)*each%gain(:, node, wall)
          end do
          if (.not. maxval(abs(total)) > 0.0_wp) cycle
+         if (wall > before) call record_turning(space%rigid%held(tile), own, each%gain(:, :, wall), &
+            wall - before, space%rigid%wall(wall - before), ledger%walls%total(wall_entries, wall))
          if (wall <= before) then
             call ledger%walls%add(wall, total, middle_velocity(space%boundary%wall(wall), each%dt))
          else
@@ -313,6 +373,27 @@ contains
          end if
       end do
    end subroutine record_walls
+
+   !> Add the work of the rotation of a rigid region on the nodes of a tile.
+   subroutine record_turning(held, own, gain, number, wall, work)
+      type(held_t), intent(in) :: held               !! Nodes of the tile in regions
+      real(wp), intent(in) :: own(:)                 !! (node) Mass of its particles [kg]
+      real(wp), intent(in) :: gain(:, :)             !! (3, node) By the region [m/s]
+      integer, intent(in) :: number                  !! Index of the region
+      type(wall_t), intent(in) :: wall               !! The region
+      type(exact_sum_t), intent(inout) :: work
+      real(wp) :: moment(3)
+      integer :: n
+
+      if (.not. allocated(wall%body)) return
+      moment = 0.0_wp
+      do n = 1, size(held%node)
+         if (held%wall(n) /= number .or. .not. own(held%node(n)) > 0.0_wp) cycle
+         moment = moment + own(held%node(n))*cross(held%place(:, n) - wall%body%centre, &
+            gain(:, held%node(n)))
+      end do
+      call work%add(0.5_wp*dot_product(wall%body%spin + wall%body%spin_end, moment))
+   end subroutine record_turning
 
    !> Record the unbalanced force of the nodes of a tile: the part due to its own particles, by
    !! their mass times acceleration. Equation (O.7) of doc/theory/instruments.md.
