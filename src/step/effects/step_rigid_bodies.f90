@@ -27,7 +27,7 @@ module step_rigid_bodies
 
    integer, parameter :: unknowns = 6                !! Velocity and angular velocity
    integer, parameter :: terms = unknowns*(unknowns + 1) !! Impulses, and their derivatives
-   integer, parameter :: rounds = 30                 !! Most Newton iterations
+   integer, parameter :: rounds = 25                 !! Most Newton iterations
    integer, parameter :: patient = 10                !! Those without damping
    real(wp), parameter :: converged = 1.0e-14_wp     !! Relative change of the velocities
 
@@ -67,8 +67,9 @@ contains
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: kick                   !! Time that the forces act [s]
       type(free_tile_t), allocatable :: tiles(:)
+      type(rigid_body_t), allocatable :: before(:), best(:)
       real(wp), allocatable :: values(:, :)
-      real(wp) :: share, change
+      real(wp) :: share, change, least
       integer :: n, round
 
       if (.not. allocated(simulation%space%rigid)) return
@@ -82,15 +83,27 @@ contains
       end do
       associate (rigid => simulation%space%rigid)
          call guess(rigid, weight_of(simulation, kick))
+         allocate (before(size(rigid%wall)), best(size(rigid%wall)))
+         least = huge(least)
          do round = 1, rounds
             call sum_impulses(simulation, tiles, kick, share, values)
             change = 0.0_wp
             do n = 1, size(rigid%wall)
                if (.not. allocated(rigid%wall(n)%body)) cycle
+               before(n) = rigid%wall(n)%body
                call improve(rigid%wall(n)%body, values(:, n), weight_of(simulation, kick), &
                   merge(1.0_wp, 0.5_wp, round <= patient), change)
             end do
-            if (.not. change > converged) exit
+            if (.not. change > converged) return
+            if (.not. change < least) cycle
+            least = change
+            best = before
+         end do
+         ! a node that is pressed or not, whichever is assumed: the velocities closest to a solution
+         do n = 1, size(rigid%wall)
+            if (.not. allocated(rigid%wall(n)%body)) cycle
+            rigid%wall(n)%body%velocity_end = best(n)%velocity_end
+            rigid%wall(n)%body%spin_end = best(n)%spin_end
          end do
       end associate
    end subroutine solve_bodies
