@@ -16,6 +16,9 @@ module mesh_rigid_body
 
    integer, parameter, public :: body_state_size = 29 !! Numbers in a checkpoint for each body
 
+   real(wp), parameter :: straight(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, &
+      0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
+
    !> A rigid body. Directions in which it is not free follow the motion of its wall.
    type :: rigid_body_t
       logical :: free(3) = .false.                   !! Directions in which forces move it
@@ -28,6 +31,7 @@ module mesh_rigid_body
       real(wp) :: radius = huge(1.0_wp)              !! Distance of its farthest point [m]
       real(wp) :: centre(3) = 0.0_wp                 !! Centre of mass, or point of the axis [m]
       real(wp) :: turn(4) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp] !! Quaternion, body to space
+      real(wp) :: frame(3, 3) = straight             !! Rotation matrix of the turn [1]
       real(wp) :: velocity(3) = 0.0_wp               !! Of the centre [m/s]
       real(wp) :: momentum(3) = 0.0_wp               !! Angular, about the centre [kg m2/s]
       real(wp) :: energy = 0.0_wp                    !! Of the free rotation [J]
@@ -84,7 +88,7 @@ contains
       real(wp), intent(in) :: x(3)                   !! [m]
       real(wp) :: place(3)
 
-      place = self%home + turned_back(rotation_matrix(self%turn), x - self%centre)
+      place = self%home + turned_back(self%frame, x - self%centre)
    end function body_own_place
 
    !> Velocity of the point of the body at a position, before the forces of the step [m/s].
@@ -110,24 +114,21 @@ contains
       class(rigid_body_t), intent(in) :: self
       real(wp), intent(in) :: momentum(3)            !! In space [kg m2/s]
       real(wp) :: spin(3)
-      real(wp) :: matrix(3, 3)
 
-      matrix = rotation_matrix(self%turn)
-      spin = turned(matrix, turned(self%mobility, turned_back(matrix, momentum)))
+      spin = turned(self%frame, turned(self%mobility, turned_back(self%frame, momentum)))
    end function body_spin_of
 
    !> Inertia in space [kg m2].
    pure function body_inertia(self) result(inertia)
       class(rigid_body_t), intent(in) :: self
       real(wp) :: inertia(3, 3)
-      real(wp) :: matrix(3, 3), unit(3)
+      real(wp) :: unit(3)
       integer :: k
 
-      matrix = rotation_matrix(self%turn)
       do k = 1, 3
          unit = 0.0_wp
          unit(k) = 1.0_wp
-         inertia(:, k) = turned(matrix, turned(self%inertia, turned_back(matrix, unit)))
+         inertia(:, k) = turned(self%frame, turned(self%inertia, turned_back(self%frame, unit)))
       end do
    end function body_inertia
 
@@ -157,7 +158,7 @@ contains
          if (maxval(abs(moment + hold)) > 0.0_wp) then
             self%momentum = self%momentum + (moment + hold)
             self%spin_end = self%spin_of(self%momentum)
-            own = turned_back(rotation_matrix(self%turn), self%momentum)
+            own = turned_back(self%frame, self%momentum)
             self%energy = 0.5_wp*dot_product(own, turned(self%mobility, own))
          else
             self%spin_end = self%spin
@@ -188,10 +189,12 @@ contains
       end where
       if (self%free_spin) then
          call rotate_freely(self%mobility, self%momentum, self%energy, time, self%turn)
+         self%frame = rotation_matrix(self%turn)
          self%spin = self%spin_of(self%momentum)
       else if (maxval(abs(self%spin)) > 0.0_wp) then
          self%turn = product_of_turns(turn_by(time*self%spin), self%turn)
          self%turn = self%turn/norm2(self%turn)
+         self%frame = rotation_matrix(self%turn)
       end if
       self%spin_end = self%spin
    end subroutine body_advance
@@ -219,6 +222,7 @@ contains
 
       self%centre = numbers(1:3)
       self%turn = numbers(4:7)
+      self%frame = rotation_matrix(self%turn)
       self%velocity = numbers(8:10)
       self%momentum = numbers(11:13)
       self%energy = numbers(14)
