@@ -24,7 +24,7 @@ module mesh_rigid_body
       logical :: free(3) = .false.                   !! Directions in which forces move it
       logical :: free_spin = .false.                 !! Do torques change its rotation?
       logical :: plane = .false.                     !! Does it turn about y only?
-      real(wp) :: mass = 0.0_wp                      !! [kg]; a ring: per radian
+      real(wp) :: mass = 0.0_wp                      !! [kg]
       real(wp) :: inertia(3, 3) = 0.0_wp             !! In its own frame, about its centre [kg m2]
       real(wp) :: mobility(3, 3) = 0.0_wp            !! Inverse of the inertia [1/(kg m2)]
       real(wp) :: home(3) = 0.0_wp                   !! Centre at the start [m]
@@ -36,6 +36,8 @@ module mesh_rigid_body
       real(wp) :: momentum(3) = 0.0_wp               !! Angular, about the centre [kg m2/s]
       real(wp) :: energy = 0.0_wp                    !! Of the free rotation [J]
       real(wp) :: spin(3) = 0.0_wp                   !! Angular velocity, in space [rad/s]
+      real(wp) :: first_velocity(3) = 0.0_wp         !! At the start of the run [m/s]
+      real(wp) :: first_spin(3) = 0.0_wp             !! At the start of the run [rad/s]
       real(wp) :: velocity_end(3) = 0.0_wp           !! After the forces of the step [m/s]
       real(wp) :: spin_end(3) = 0.0_wp               !! After the forces of the step [rad/s]
       real(wp) :: impulse(3) = 0.0_wp                !! Of the material, since the start [N s]
@@ -77,6 +79,8 @@ contains
       self%velocity_end = velocity
       self%spin = spin
       self%spin_end = spin
+      self%first_velocity = velocity
+      self%first_spin = spin
       if (.not. self%free_spin) return
       self%momentum = turned(self%inertia, spin)
       self%energy = 0.5_wp*dot_product(self%momentum, spin)

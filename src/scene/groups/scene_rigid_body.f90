@@ -5,6 +5,7 @@
 !! With a density, mass, centre and inertia are sums over a lattice of points in the bounds of the
 !! shape. Equation (R.8) of doc/theory/rigid.md.
 module scene_rigid_body
+   use base_constants, only: pi
    use base_kinds, only: wp
    use base_small_system, only: solve_small
    use base_text, only: text_t
@@ -20,15 +21,14 @@ module scene_rigid_body
 
    public :: check_rigid_body, declare_rigid_body, read_rigid_body
 
-   integer, parameter :: points(3) = [10000, 1000, 100] !! Of the lattice a direction
+   integer, parameter :: points(3) = [10000, 1000, 100] !! Of the lattice along each direction
    real(wp), parameter :: far = 1.0e29_wp            !! Bounds beyond this are infinite [m]
-   real(wp), parameter :: pi = 3.14159265358979324_wp
    character(len=7), parameter :: keys(6) = [character(len=7) :: "mass", "density", "inertia", &
       "centre", "spin", "lock"]                      !! All of this module
 
    !> Sums over the points of a lattice in a shape, for a density of 1.
    type :: moments_t
-      real(wp) :: volume = 0.0_wp                    !! [m3]; a ring: per radian
+      real(wp) :: volume = 0.0_wp                    !! [m3]; of a whole ring
       real(wp) :: centre(3) = 0.0_wp                 !! [m]
       real(wp) :: inertia(3, 3) = 0.0_wp             !! About the centre [m5]
    end type moments_t
@@ -162,7 +162,6 @@ contains
          body%mass = density*moments%volume
       else
          call group%get("mass", body%mass)
-         if (grid%axisymmetric) body%mass = body%mass/(2.0_wp*pi)
       end if
       call group%list("lock", locks)
       body%free = grid%active
@@ -291,8 +290,9 @@ contains
       do m = 1, 3
          moments%inertia(m, m) = moments%inertia(m, m) + squares(1, 1) + squares(2, 2) + squares(3, 3)
       end do
-      ! the thickness of a plane or a line is that of the grid, also beside a ring: per radian
+      ! the thickness of a plane or a line is that of the grid
       weight = product(pace, mask=grid%active .or. .not. grid%axisymmetric)
+      if (grid%axisymmetric) weight = 2.0_wp*pi*weight
       moments%volume = weight*moments%volume
       moments%inertia = weight*moments%inertia
       moments%centre = moments%centre + low
