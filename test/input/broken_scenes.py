@@ -206,7 +206,7 @@ ORPHANS = [
     ("plain", "&time", "&boundary region = 'ball' type = 'stick' mass = 2 table = 'a.csv' /\n&time", 3,
      "&boundary: a region that forces move follows no table; remove table, or mass and density"),
     ("plain", "&time", "&boundary region = 'ball' type = 'stick' mass = 2 spin = 1 0 0 /\n&time", 3,
-     "&boundary: spin leaves the plane of dimension = 'plane_strain'; regions turn only in 3d and, about y"),
+     "&boundary: a region cannot turn so with dimension = 'plane_strain'; it turns only in 3d and, about y"),
     ("plain", "&time", "&region name = 'half' shape = 'halfspace' centre = 0 0 0.1 normal = 0 0 1 /\n"
      "&boundary region = 'half' type = 'stick' mass = 2 /\n&time", 4,
      "&boundary: the region 'half' has no finite volume, so its mass and centre are unknown"),

@@ -97,7 +97,7 @@ contains
       call boundary%get("spin", spin)
       if (dimension == "plane_strain") spin(2) = 0.0_wp
       if (dimension /= "3d" .and. any(abs(spin) > 0.0_wp)) call deck%add_error(boundary, &
-         "spin leaves the plane of dimension = '"//dimension//"'; regions turn only in 3d and, "// &
+         "a region cannot turn so with dimension = '"//dimension//"'; it turns only in 3d and, "// &
          "about y, in plane_strain [D372]", "spin")
    end subroutine check_rigid_body
 
