@@ -18,11 +18,11 @@ module mesh_free_rotation
    integer, parameter :: rounds = 40                 !! Most iterations for the stages
    real(wp), parameter :: root = 3.8729833462074169_wp !! Square root of 15
    real(wp), parameter :: weights(stages) = [5.0_wp, 8.0_wp, 5.0_wp]/18.0_wp
-   !> (stage, stage) Coefficients of the Gauss method; columns are the stages that contribute.
+   !> (stage, stage) Coefficients of the Gauss method; a column are the weights for one stage.
    real(wp), parameter :: coefficients(stages, stages) = reshape([ &
-      5.0_wp/36.0_wp, 5.0_wp/36.0_wp + root/24.0_wp, 5.0_wp/36.0_wp + root/30.0_wp, &
-      2.0_wp/9.0_wp - root/15.0_wp, 2.0_wp/9.0_wp, 2.0_wp/9.0_wp + root/15.0_wp, &
-      5.0_wp/36.0_wp - root/30.0_wp, 5.0_wp/36.0_wp - root/24.0_wp, 5.0_wp/36.0_wp], &
+      5.0_wp/36.0_wp, 2.0_wp/9.0_wp - root/15.0_wp, 5.0_wp/36.0_wp - root/30.0_wp, &
+      5.0_wp/36.0_wp + root/24.0_wp, 2.0_wp/9.0_wp, 5.0_wp/36.0_wp - root/24.0_wp, &
+      5.0_wp/36.0_wp + root/30.0_wp, 2.0_wp/9.0_wp + root/15.0_wp, 5.0_wp/36.0_wp], &
       [stages, stages])
 
 contains
@@ -145,7 +145,7 @@ contains
       do n = 1, rounds
          change = 0.0_wp
          do k = 1, stages
-            place(:3) = own + step*combined(rate, coefficients(k, :))
+            place(:3) = own + step*combined(rate, coefficients(:, k))
             spin(:, k) = turned(mobility, place(:3))
             place(:3) = cross(place(:3), spin(:, k))
             change = max(change, maxval(abs(place(:3) - rate(:, k))))
@@ -160,7 +160,7 @@ contains
       do n = 1, rounds
          change = 0.0_wp
          do k = 1, stages
-            place = turn + step*combined(swing, coefficients(k, :))
+            place = turn + step*combined(swing, coefficients(:, k))
             place = 0.5_wp*product_of_turns(place, [0.0_wp, spin(:, k)])
             change = max(change, maxval(abs(place - swing(:, k))))
             swing(:, k) = place

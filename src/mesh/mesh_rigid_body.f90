@@ -136,8 +136,8 @@ contains
       end do
    end function body_inertia
 
-   !> Take the impulses of a step. Free directions get the new velocity from the impulses, the others
-   !! have that of the motion, `velocity_end`, and the support exerts what is missing.
+   !> Take the impulses of a step. Free directions get the new velocity from the impulses, the
+   !! others have that of the motion, `velocity_end`, and the support exerts what is missing.
    pure subroutine body_receive(self, impulse, moment, weight, support, given, hold)
       class(rigid_body_t), intent(inout) :: self
       real(wp), intent(in) :: impulse(3)             !! Of the material [N s]
@@ -188,7 +188,7 @@ contains
 
       where (self%free)
          self%centre = self%centre + time*self%velocity
-      elsewhere
+      else where
          self%centre = place
       end where
       if (self%free_spin) then

@@ -2,8 +2,8 @@
 """Rigid regions that forces move, and one that turns: the same bits for any ranks and threads and after a restart.
 
 Would catch: impulses that are summed in the order of ranks or threads; a body whose state differs between ranks; a
-rotation, momentum or energy that a restart loses or rounds; normals or nodes that belong to the place of the body before
-the step; an iteration that ends after a different number of rounds on another layout.
+rotation, momentum or energy that a restart loses or rounds; normals or nodes that belong to the place of the body
+before the step; an iteration that ends after a different number of rounds on another layout.
 """
 # timeout: 300
 # cores: 2
@@ -22,7 +22,8 @@ DECK = f"""
 &region  name='heap'  shape='box'  lo=0.21,0,0.13  hi=0.5,{{deep}},0.33 /
 &body  name='heap'  region='heap'  material='m'  ppc=2,{{across}},2  velocity=1,0,-2 /
 &region  name='ball'  shape='box'  lo=-0.06,-1,-0.04  hi=0.06,1,0.05  rotate=0,20,0  translate=0.3,{{middle}},0.07 /
-&region  name='piece'  shape='box'  lo=-0.08,-0.08,-0.05  hi=0.08,0.08,0.05  rotate=0,-30,0  translate=0.5,{{middle}},0.07 /
+&region  name='piece'  shape='box'  lo=-0.08,-0.08,-0.05  hi=0.08,0.08,0.05  rotate=0,-30,0
+  translate=0.5,{{middle}},0.07 /
 &region  name='wheel'  shape='sphere'  centre=0.4,{{middle}},0.37  radius=0.06 /
 &boundary  region='ball'  type='stick'  density=700  velocity=0.3,0,0.5  spin=0,4,0 /
 &boundary  region='piece'  type='friction'  friction=0.4  density=2500  velocity=-1,0,1  spin={{spin}} /

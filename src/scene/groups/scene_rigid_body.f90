@@ -40,20 +40,21 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), intent(in) :: owner          !! Condition under which they apply
 
-      call schema%real("boundary", "density", "forces move the rigid region, with the mass of its "// &
-         "volume at this density; velocity and spin are those at the start", unit="kg/m3", &
+      call schema%real("boundary", "density", "forces move the rigid region, with the mass of "// &
+         "its volume at this density; velocity and spin are those at the start", unit="kg/m3", &
          range="> 0", owner=owner)
       call schema%real("boundary", "mass", "the same with this mass, in a plane that of the "// &
-         "thickness of the grid, in axisymmetry that of the whole ring", unit="kg", range="> 0", &
-         owner=owner)
-      call schema%real("boundary", "inertia(6)", "moments of inertia xx, yy, zz and elements xy, "// &
-         "yz, zx of the tensor about the centre of mass; default: those of a uniform density; "// &
+         "thickness of the grid, in axisymmetry that of the whole ring", unit="kg", &
+         range="> 0", owner=owner)
+      call schema%real("boundary", "inertia(6)", "moments of inertia xx, yy, zz and elements "// &
+         "xy, yz, zx of the tensor about the centre of mass; default: those of a uniform density; "// &
          "in a plane only yy counts", unit="kg m2", owner=owner)
-      call schema%real("boundary", "centre(3)", "centre of mass, with inertia; without mass and "// &
-         "density: a point of the axis of rotation; default: centre of the volume", unit="m", &
+      call schema%real("boundary", "centre(3)", "centre of mass, with inertia; without mass "// &
+         "and density: a point of the axis of rotation; default: centre of the volume", unit="m", &
          owner=owner)
       call schema%real("boundary", "spin(3)", "angular velocity of a rigid region about its "// &
-         "centre; without mass and density it is constant", unit="1/s", default="0 0 0", owner=owner)
+         "centre; without mass and density it is constant", unit="1/s", default="0 0 0", &
+         owner=owner)
       call schema%text("boundary", "lock(:4)", "directions in which forces do not move the "// &
          "region: x, y, z; spin: torques do not turn it", words="x y z spin", owner=owner)
       call schema%forbid_change("boundary", "mass density inertia centre spin lock", &
@@ -84,8 +85,8 @@ contains
          "centre: give mass, inertia and centre together, or remove inertia and centre [D370]", &
          "inertia")
       if (boundary%given("lock") .and. .not. free) call deck%add_error(boundary, &
-         "forces move only a region with mass or density; give one of them, or remove lock [D370]", &
-         "lock")
+         "forces move only a region with mass or density; give one of them, or remove lock "// &
+         "[D370]", "lock")
       if (boundary%given("t_on")) call deck%add_error(boundary, "a region that turns, or that "// &
          "forces move, acts from the start; remove t_on [D371]", "t_on")
       if (free .and. boundary%given("table")) call deck%add_error(boundary, "a region that "// &
@@ -101,7 +102,7 @@ contains
          "about y, in plane_strain [D372]", "spin")
    end subroutine check_rigid_body
 
-   !> Mass, inertia and state of the body of a rigid region, if its keys ask for one.
+   !> Mass, inertia and state of the body of a rigid region, if its keys request one.
    subroutine read_rigid_body(deck, grid, group, wall)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
@@ -121,8 +122,8 @@ contains
       if (free .or. .not. group%given("centre")) then
          call sample(wall%region, grid, moments)
          if (.not. moments%volume > 0.0_wp) then
-            call deck%add_error(group, "the region '"//trim(wall%name)//"' has no finite volume, "// &
-               "so its mass and centre are unknown; use a bounded shape, or, for a region that "// &
+            call deck%add_error(group, "the region '"//trim(wall%name)//"' has no finite "// &
+               "volume, so its mass and centre are unknown; use a bounded shape, or, for a region that "// &
                "only turns, give centre [D373]", "region")
             return
          end if
@@ -247,8 +248,8 @@ contains
       if (maxval(abs([low, high])) < far) reach = norm2(max(abs(low - centre), abs(high - centre)))
    end function reach_of
 
-   !> Volume, centre and inertia of a shape, by the points of a lattice that are in it. The volume is
-   !! 0 if it has no bounds.
+   !> Volume, centre and inertia of a shape, by the points of a lattice that are in it. The volume
+   !! is 0 if it has no bounds.
    pure subroutine sample(region, grid, moments)
       class(point_set_t), intent(in) :: region
       type(grid_t), intent(in) :: grid
@@ -288,7 +289,8 @@ contains
       end do
       moments%inertia = -squares
       do m = 1, 3
-         moments%inertia(m, m) = moments%inertia(m, m) + squares(1, 1) + squares(2, 2) + squares(3, 3)
+         moments%inertia(m, m) = moments%inertia(m, m) + squares(1, 1) + squares(2, 2) &
+            + squares(3, 3)
       end do
       ! the thickness of a plane or a line is that of the grid
       weight = product(pace, mask=grid%active .or. .not. grid%axisymmetric)

@@ -274,8 +274,8 @@ contains
       call divide_motion(mass, velocity, acceleration)
       if (allocated(effects%gravity)) then
          do component = 1, 3
-            where (mass(1, :) > empty_mass) acceleration(component, :) = acceleration(component, :) &
-               + effects%gravity(component)
+            where (mass(1, :) > empty_mass) acceleration(component, :) = &
+               acceleration(component, :) + effects%gravity(component)
          end do
       end if
       if (effects%damping > 0.0_wp) acceleration = acceleration - effects%damping*velocity

@@ -34,7 +34,7 @@ module step_rigid_bodies
    !> Nodes of a tile in rigid regions, before these act.
    type :: free_tile_t
       integer :: tile = 0                            !! Index
-      real(wp), allocatable :: own(:)                !! (held) Mass of the particles of the tile [kg]
+      real(wp), allocatable :: own(:)                !! (held) Mass of own particles [kg]
       real(wp), allocatable :: seen(:, :)            !! (3, held) Velocity without any wall [m/s]
       real(wp), allocatable :: velocity(:, :)        !! (3, held) After boundaries [m/s]
       real(wp), allocatable :: acceleration(:, :)    !! (3, held) After boundaries [m/s2]
@@ -234,7 +234,7 @@ contains
       real(wp), intent(in) :: kick                   !! Time that the forces act [s]
       real(wp), intent(in) :: share                  !! Share of PIC in the transfer, 0 to 1
       real(wp), intent(out) :: part(:, :)            !! (term, region)
-      real(wp) :: velocity(3), acceleration(3), gain(3), derivative(3, 3)
+      real(wp) :: velocity(3), acceleration(3), gain(3), derivative(3, 3), arm(3)
       integer :: n
 
       part = 0.0_wp
@@ -248,8 +248,8 @@ contains
                acceleration, derivative)
             gain = kick*(acceleration - free%acceleration(:, n)) + share*(velocity &
                - free%velocity(:, n))
-            call add_node(held%place(:, n) - rigid%wall(held%wall(n))%body%centre, &
-               free%own(n)*gain, free%own(n)*derivative, part(:, held%wall(n)))
+            arm = held%place(:, n) - rigid%wall(held%wall(n))%body%centre
+            call add_node(arm, free%own(n)*gain, free%own(n)*derivative, part(:, held%wall(n)))
          end do
       end associate
    end subroutine sum_tile

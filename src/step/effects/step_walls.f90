@@ -316,7 +316,7 @@ contains
       type(exact_sum_t), intent(inout) :: sums(:, :) !! (entry, region), private to this thread
       integer, intent(in) :: tile
       type(wall_push_t), intent(in) :: each          !! Force of each wall
-      real(wp) :: own(size(each%velocity, 2)), part(3), total(body_entries, size(sums, 2))
+      real(wp) :: own(size(each%velocity, 2)), part(3), total(body_entries, size(sums, 2)), arm(3)
       integer :: before, k, n, node, wall
 
       call motion%own_mass(space%grid, tile, own)
@@ -330,8 +330,8 @@ contains
             if (.not. allocated(space%rigid%wall(wall)%body)) cycle
             part = own(node)*each%gain(:, node, before + wall)
             total(:3, wall) = total(:3, wall) + part
-            total(4:, wall) = total(4:, wall) + cross(held%place(:, n) &
-               - space%rigid%wall(wall)%body%centre, part)
+            arm = held%place(:, n) - space%rigid%wall(wall)%body%centre
+            total(4:, wall) = total(4:, wall) + cross(arm, part)
          end do
       end associate
       do wall = 1, size(sums, 2)
@@ -363,8 +363,9 @@ contains
             total = total + own(node)*each%gain(:, node, wall)
          end do
          if (.not. maxval(abs(total)) > 0.0_wp) cycle
-         if (wall > before) call record_turning(space%rigid%held(tile), own, each%gain(:, :, wall), &
-            wall - before, space%rigid%wall(wall - before), ledger%walls%total(wall_entries, wall))
+         if (wall > before) call record_turning(space%rigid%held(tile), own, &
+            each%gain(:, :, wall), wall - before, space%rigid%wall(wall - before), &
+            ledger%walls%total(wall_entries, wall))
          if (wall <= before) then
             call ledger%walls%add(wall, total, middle_velocity(space%boundary%wall(wall), each%dt))
          else
@@ -380,17 +381,18 @@ contains
       real(wp), intent(in) :: own(:)                 !! (node) Mass of its particles [kg]
       real(wp), intent(in) :: gain(:, :)             !! (3, node) By the region [m/s]
       integer, intent(in) :: number                  !! Index of the region
-      type(wall_t), intent(in) :: wall               !! The region
+      type(wall_t), intent(in) :: wall
       type(exact_sum_t), intent(inout) :: work
-      real(wp) :: moment(3)
+      real(wp) :: moment(3), arm(3), push(3)
       integer :: n
 
       if (.not. allocated(wall%body)) return
       moment = 0.0_wp
       do n = 1, size(held%node)
          if (held%wall(n) /= number .or. .not. own(held%node(n)) > 0.0_wp) cycle
-         moment = moment + own(held%node(n))*cross(held%place(:, n) - wall%body%centre, &
-            gain(:, held%node(n)))
+         arm = held%place(:, n) - wall%body%centre
+         push = own(held%node(n))*gain(:, held%node(n))
+         moment = moment + cross(arm, push)
       end do
       call work%add(0.5_wp*dot_product(wall%body%spin + wall%body%spin_end, moment))
    end subroutine record_turning

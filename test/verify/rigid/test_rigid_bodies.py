@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rigid regions that forces move: a ram on an elastic block, a piston on gas, a disc that floats, a disc that turns on
-a bed; free flight; and a drum that turns at a given rate.
+"""Rigid regions that forces move: a ram on an elastic block, a piston on gas, a disc that floats, a disc that turns
+on a bed; free flight; and a drum that turns at a given rate.
 
-Would catch: an impulse that material and body receive with different values, or at different times; torque about a wrong
-point or with a wrong sign; gravity that is missing or acts twice; a mass or inertia that is not that of the shape; added
-mass that is not solved with the body, so that a light one is unstable; a rotation that does not follow the spin; friction
-without its torque; work that is not the change of the kinetic energy.
+Would catch: an impulse that material and body receive with different values, or at different times; torque about a
+wrong point or with a wrong sign; gravity that is missing or acts twice; a mass or inertia that is not that of the
+shape; added mass that is not solved with the body, so that a light one is unstable; a rotation that does not follow the
+spin; friction without its torque; work that is not the change of the kinetic energy.
 
 Limits. Balances: rounding. Piston: nodes act in steps of a cell, the amplitude is eight cells. Disc that floats: its
 force is the weight if it is at rest; the residual velocity over the time of the mean is below a percent of g. Disc on a
@@ -134,8 +134,8 @@ def test_ram(options, sheet):
         density = float(kind.split("density=")[1])
         mass = density * 0.42 * 0.2 * thick
         start, end = run.summary["ledger"]["start"], run.summary["ledger"]["end"]
-        sheet.near(f"ram, {name}: momentum at the start over that of its volume", start["rigid_momentum_z"] / -mass, 1.0,
-                   1.0e-3)
+        sheet.near(f"ram, {name}: momentum at the start over that of its volume",
+                   start["rigid_momentum_z"] / -mass, 1.0, 1.0e-3)
         # forces of the material and weight are the change of momentum; work is the change of energy
         push = np.sum(table["ram_force_z"][1:] * np.diff(table["time"]))
         gain = end["rigid_momentum_z"] - start["rigid_momentum_z"]
@@ -209,7 +209,7 @@ def test_turning_disc(options, sheet):
 
 
 def test_drum(options, sheet):
-    """A drum turns material that sticks to it: its work is the energy of the material, its rotation that of its rate."""
+    """A drum turns material that sticks to it: its work is the energy of the material, it turns at its rate."""
     run, table = run_of(options, "drum", DRUM, 20)
     books(sheet, "drum", run, 1.0e-12)
     history = run.history
