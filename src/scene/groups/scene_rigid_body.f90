@@ -47,8 +47,8 @@ contains
          "thickness of the grid, in axisymmetry that of the whole ring", unit="kg", &
          range="> 0", owner=owner)
       call schema%real("boundary", "inertia(6)", "moments of inertia xx, yy, zz and elements "// &
-         "xy, yz, zx of the tensor about the centre of mass; default: those of a uniform density; "// &
-         "in a plane only yy counts", unit="kg m2", owner=owner)
+         "xy, yz, zx of the tensor about the centre of mass; default: those of a uniform "// &
+         "density; in a plane only yy counts", unit="kg m2", owner=owner)
       call schema%real("boundary", "centre(3)", "centre of mass, with inertia; without mass "// &
          "and density: a point of the axis of rotation; default: centre of the volume", unit="m", &
          owner=owner)
@@ -123,8 +123,8 @@ contains
          call sample(wall%region, grid, moments)
          if (.not. moments%volume > 0.0_wp) then
             call deck%add_error(group, "the region '"//trim(wall%name)//"' has no finite "// &
-               "volume, so its mass and centre are unknown; use a bounded shape, or, for a region that "// &
-               "only turns, give centre [D373]", "region")
+               "volume, so its mass and centre are unknown; use a bounded shape, or, for a "// &
+               "region that only turns, give centre [D373]", "region")
             return
          end if
       end if
