@@ -11,7 +11,7 @@ module mesh_free_rotation
    implicit none
    private
 
-   public :: product_of_turns, rotate_freely, rotation_matrix, turn_by, turned, turned_back
+   public :: product_of_turns, rotate_freely, matrix_of_turn, turn_by, turned, turned_back
 
    real(wp), parameter :: longest_turn = 0.1_wp      !! Bound on the angle of a part of a step [rad]
    integer, parameter :: stages = 3                  !! Of the Gauss method of order 6
@@ -28,7 +28,7 @@ module mesh_free_rotation
 contains
 
    !> Matrix of a unit quaternion: turns a vector of the body into space.
-   pure function rotation_matrix(turn) result(matrix)
+   pure function matrix_of_turn(turn) result(matrix)
       real(wp), intent(in) :: turn(4)                !! Scalar part first
       real(wp) :: matrix(3, 3)
 
@@ -37,13 +37,13 @@ contains
          matrix(:, 2) = [2.0_wp*(b*c - a*d), a*a - b*b + c*c - d*d, 2.0_wp*(c*d + a*b)]
          matrix(:, 3) = [2.0_wp*(b*d + a*c), 2.0_wp*(c*d - a*b), a*a - b*b - c*c + d*d]
       end associate
-   end function rotation_matrix
+   end function matrix_of_turn
 
    !> Product of a matrix and a vector. The sums are written out: the library's `matmul` has kernels
    !! for several processors, whose last bits differ.
    pure function turned(matrix, vector) result(product)
-      real(wp), intent(in) :: matrix(3, 3)
-      real(wp), intent(in) :: vector(3)
+      real(wp), intent(in) :: matrix(3, 3)           !! Any
+      real(wp), intent(in) :: vector(3)              !! In the body, if the matrix is a rotation
       real(wp) :: product(3)
 
       product = matrix(:, 1)*vector(1) + matrix(:, 2)*vector(2) + matrix(:, 3)*vector(3)
@@ -51,8 +51,8 @@ contains
 
    !> Product of the transpose of a matrix and a vector: from space into the body.
    pure function turned_back(matrix, vector) result(product)
-      real(wp), intent(in) :: matrix(3, 3)
-      real(wp), intent(in) :: vector(3)
+      real(wp), intent(in) :: matrix(3, 3)           !! Rotation
+      real(wp), intent(in) :: vector(3)              !! In space
       real(wp) :: product(3)
 
       product = matrix(1, :)*vector(1) + matrix(2, :)*vector(2) + matrix(3, :)*vector(3)
@@ -123,7 +123,7 @@ contains
       parts = 1 + int(sqrt(sum(mobility**2))*norm2(momentum)*time/longest_turn)
       step = time/real(parts, wp)
       do n = 1, parts
-         own = turned_back(rotation_matrix(turn), momentum)
+         own = turned_back(matrix_of_turn(turn), momentum)
          call gauss_step(mobility, step, own, turn)
          call restore_invariants(mobility, norm2(momentum), energy, own)
          call align(momentum, own, turn)
@@ -201,7 +201,7 @@ contains
       real(wp) :: there(3), correction(4)
 
       turn = turn/norm2(turn)
-      there = turned(rotation_matrix(turn), own)
+      there = turned(matrix_of_turn(turn), own)
       correction = [dot_product(momentum, momentum) + dot_product(momentum, there), &
          cross(there, momentum)]
       turn = product_of_turns(correction/norm2(correction), turn)

@@ -7,7 +7,7 @@
 module mesh_rigid_body
    use base_elementary, only: cross
    use base_kinds, only: wp
-   use mesh_free_rotation, only: product_of_turns, rotate_freely, rotation_matrix, turn_by, &
+   use mesh_free_rotation, only: product_of_turns, rotate_freely, matrix_of_turn, turn_by, &
       turned, turned_back
    implicit none
    private
@@ -193,12 +193,12 @@ contains
       end where
       if (self%free_spin) then
          call rotate_freely(self%mobility, self%momentum, self%energy, time, self%turn)
-         self%frame = rotation_matrix(self%turn)
+         self%frame = matrix_of_turn(self%turn)
          self%spin = self%spin_of(self%momentum)
       else if (maxval(abs(self%spin)) > 0.0_wp) then
          self%turn = product_of_turns(turn_by(time*self%spin), self%turn)
          self%turn = self%turn/norm2(self%turn)
-         self%frame = rotation_matrix(self%turn)
+         self%frame = matrix_of_turn(self%turn)
       end if
       self%spin_end = self%spin
    end subroutine body_advance
@@ -226,7 +226,7 @@ contains
 
       self%centre = numbers(1:3)
       self%turn = numbers(4:7)
-      self%frame = rotation_matrix(self%turn)
+      self%frame = matrix_of_turn(self%turn)
       self%velocity = numbers(8:10)
       self%momentum = numbers(11:13)
       self%energy = numbers(14)
