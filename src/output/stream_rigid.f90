@@ -122,6 +122,8 @@ contains
       do n = 1, size(self%wall)
          associate (body => simulation%space%rigid%wall(self%wall(n))%body)
             now = [body%impulse, body%moment]
+            ! on a ring only the axial force has a meaning
+            if (simulation%space%grid%axisymmetric) now([1, 2, 4, 5, 6]) = 0.0_wp
             row(:13, n) = [body%centre, body%turn, body%velocity, body%spin]
             row(14:19, n) = 0.0_wp
             if (self%last_time >= 0.0_wp .and. period > 0.0_wp) row(14:19, n) = &
