@@ -151,8 +151,10 @@ contains
             end do
             text = text//" m"
             if (wall%body%free_spin) then
-               text = text//", moments of inertia"
+               text = text//trim(merge(", moment of inertia ", ", moments of inertia", &
+                  wall%body%plane))
                do k = 1, 3
+                  if (wall%body%plane .and. k /= 2) cycle
                   text = text//" "//four_digits(wall%body%inertia(k, k))
                end do
                text = text//" kg m2"
