@@ -151,6 +151,11 @@ DECKS = {
         "friction_angle = 30", "friction_angle = 30  cohesion = 1e3", None),
     "D318": ("plain", "&time t_end = 1e-4 /", "&method heat_flux = 2 /\n&time t_end = 1e-4 /", None),
     "D319": ("sand", "every = 20", "every = 20  dt = 0.1", "dt = 0.1"),
+    "D373": (
+        "plain", "&time", "&region name = 'ram'  shape = 'halfspace'  centre = 0 0 0.1  normal = 0 0 1 /\n"
+        "&boundary region = 'ram'  type = 'slip'  mass = 2 /\n&time",
+        "&region name = 'ram'  shape = 'box'  lo = 0.2 0 0  hi = 0.8 1 0.1 /\n"
+        "&boundary region = 'ram'  type = 'slip'  mass = 2 /\n&time"),
     "D444": (
         "plain", "&body", "&inflow body = 'one'  velocity = 1 0 1 /\n&body", None),
     "D321": (

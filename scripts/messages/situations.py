@@ -536,13 +536,13 @@ SITUATIONS = {
         "text": "The run that wrote the snapshot had no such line:", "shows": "&method paper = .true. /",
         "commands": [CHECK], "right": "&method paper = .false. /",
         "right_files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .false. /\n"}},
-    "D369": {
+    "D376": {
         "files": {"scene.nml": OWN_LAW.replace("'Y = 90 MPa'", "'yield = 90 MPa'"), "law.c": LAW}, "before": [COMPILED],
         "text": "The library of the law declares one constant, Y, in Pa:",
         "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},
         "right": "library_constants = 'Y = 90 MPa'\n",
         "see": ["../guide/own_law.md#what-the-deck-states"]},
-    "D370": {
+    "D377": {
         "files": {"scene.nml": OWN_LAW, "law.c": WARM_LAW}, "before": [COMPILED],
         "text": "The library declares `needs temperature`:",
         "commands": [CHECK], "right_files": {"scene.nml": OWN_LAW, "law.c": LAW},

@@ -48,12 +48,12 @@ contains
       end associate
    end function control_names
 
-   !> True if the velocity of a wall can be changed. That of a wall without motion and that of an
-   !! inflow cannot.
+   !> True if the velocity of a wall can be changed. That of a wall without motion, of an
+   !! inflow, and of a region that turns or that forces move cannot.
    pure logical function is_steered(wall) result(steered)
       type(wall_t), intent(in) :: wall
 
-      steered = .not. wall%stays
+      steered = .not. (wall%stays .or. allocated(wall%body))
       if (wall%face > 0) steered = wall%condition%moves()
    end function is_steered
 

@@ -9,7 +9,7 @@ module mesh_rigid
    implicit none
    private
 
-   public :: held_t, rigid_t
+   public :: held_t, press_t, rigid_t
 
    !> Nodes of a tile that rigid regions constrain.
    type :: held_t
@@ -18,7 +18,17 @@ module mesh_rigid
       integer, allocatable :: node(:)                !! Nodes of the tile
       integer, allocatable :: wall(:)                !! The region of each
       real(wp), allocatable :: normal(:, :)          !! (3, held) Out of it, 0 = the node sticks [1]
+      real(wp), allocatable :: place(:, :)           !! (3, held) Positions of the nodes [m]
    end type held_t
+
+   !> How a region presses a node that may slide along it.
+   type :: press_t
+      logical :: pressed = .false.                   !! Is it pressed?
+      logical :: sticks = .false.                    !! Does friction stop it?
+      real(wp) :: gain = 0.0_wp                      !! Velocity gained along the normal [m/s]
+      real(wp) :: along(3) = 0.0_wp                  !! Relative to the region, frictionless [m/s]
+      real(wp) :: friction = 0.0_wp                  !! Coefficient [1]
+   end type press_t
 
    !> All rigid regions of a scene.
    type :: rigid_t
@@ -33,8 +43,13 @@ module mesh_rigid
       procedure :: hold => rigid_find_nodes          !! Find the nodes of a tile in them
       procedure :: holds => rigid_has_nodes          !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
+      procedure :: constrain_node => rigid_constrain_node !! One of them
       procedure :: keep => rigid_impose_normal       !! Hold nodes that were held in the step
       procedure :: rub => rigid_apply_friction       !! Friction of regions
+      procedure :: press => rigid_press              !! Press a node on its region
+      procedure :: responds => rigid_responds        !! Do forces move a region?
+      procedure :: has_bodies => rigid_has_bodies    !! Does a region turn, or do forces move one?
+      procedure :: meets_body => rigid_meets_body    !! Is a node of a tile in such a region?
    end type rigid_t
 
 contains
@@ -94,13 +109,13 @@ contains
       do n = 1, size(self%wall)
          if (.not. self%wall(n)%meets(low, high)) cycle
          meets = .true.
-         moves = moves .or. self%wall(n)%motion%moves()
+         moves = moves .or. self%wall(n)%moves()
       end do
       if (all(held%coordinate == coordinate) .and. .not. (self%switched .or. moves &
          .or. held%moves)) return
       held%coordinate = coordinate
       held%moves = moves
-      if (allocated(held%node)) deallocate (held%node, held%wall, held%normal)
+      if (allocated(held%node)) deallocate (held%node, held%wall, held%normal, held%place)
       if (meets) call find_nodes(self, grid, boundary, coordinate, held)
    end subroutine rigid_find_nodes
 
@@ -112,21 +127,20 @@ contains
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! Receives them
       integer :: owner(grid%tile_nodes), node, count
-      real(wp) :: place(3)
 
       do node = 1, grid%tile_nodes
          owner(node) = owner_of(self, grid, node_place(grid, coordinate, node))
       end do
       count = sum(merge(1, 0, owner > 0))
       if (count == 0) return
-      allocate (held%node(count), held%wall(count), held%normal(3, count))
+      allocate (held%node(count), held%wall(count), held%normal(3, count), held%place(3, count))
       held%node = pack([(node, node=1, grid%tile_nodes)], owner > 0)
       held%wall = owner(held%node)
       held%normal = 0.0_wp
       do node = 1, count
-         place = node_place(grid, coordinate, held%node(node))
-         if (self%wall(held%wall(node))%condition%slides()) call find_normal(self, grid, &
-            boundary, coordinate, held%node(node), place, held%normal(:, node))
+         held%place(:, node) = node_place(grid, coordinate, held%node(node))
+         if (self%wall(held%wall(node))%condition%slides()) call find_normal(self, grid, boundary, &
+            coordinate, held%node(node), held%place(:, node), held%normal(:, node))
       end do
    end subroutine find_nodes
 
@@ -186,6 +200,44 @@ contains
       holds = allocated(self%held(tile)%node)
    end function rigid_has_nodes
 
+   !> True if forces move some region.
+   pure logical function rigid_responds(self) result(responds)
+      class(rigid_t), intent(in) :: self
+      integer :: n
+
+      responds = .false.
+      do n = 1, size(self%wall)
+         if (allocated(self%wall(n)%body)) responds = responds .or. self%wall(n)%body%responds()
+      end do
+   end function rigid_responds
+
+   !> True if some region turns, or forces move it.
+   pure logical function rigid_has_bodies(self) result(has)
+      class(rigid_t), intent(in) :: self
+      integer :: n
+
+      has = .false.
+      do n = 1, size(self%wall)
+         has = has .or. allocated(self%wall(n)%body)
+      end do
+   end function rigid_has_bodies
+
+   !> True if a node of the tile is inside such a region.
+   pure logical function rigid_meets_body(self, tile) result(meets)
+      class(rigid_t), intent(in) :: self
+      integer, intent(in) :: tile                    !! Index of the tile
+      integer :: n
+
+      meets = .false.
+      if (.not. self%holds(tile)) return
+      associate (owner => self%held(tile)%wall)
+         do n = 1, size(owner)
+            meets = allocated(self%wall(owner(n))%body)
+            if (meets) return
+         end do
+      end associate
+   end function rigid_meets_body
+
    !> Set the velocity of the nodes in sticking regions, and stop motion into others. Equation (R.1)
    !! of doc/theory/rigid.md.
    pure subroutine rigid_constrain(self, tile, velocity, acceleration, at_end)
@@ -194,27 +246,40 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       logical, intent(in) :: at_end                  !! Velocities are those after the step
-      real(wp) :: wall_velocity(3), into
-      integer :: n, node
+      integer :: n
 
       if (.not. self%holds(tile)) return
       associate (held => self%held(tile))
          do n = 1, size(held%node)
-            node = held%node(n)
-            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
-               wall_velocity = wall%velocity
-               if (at_end) wall_velocity = wall_velocity + self%kick*wall%acceleration
-               if (maxval(abs(normal)) > 0.0_wp) then
-                  into = dot_product(velocity(:, node) - wall_velocity, normal)
-                  if (into < 0.0_wp) velocity(:, node) = velocity(:, node) - into*normal
-               else
-                  velocity(:, node) = wall_velocity
-                  acceleration(:, node) = merge(0.0_wp, wall%acceleration, at_end)
-               end if
-            end associate
+            call self%constrain_node(held, n, at_end, velocity(:, held%node(n)), &
+               acceleration(:, held%node(n)))
          end do
       end associate
    end subroutine rigid_constrain
+
+   !> One node.
+   pure subroutine rigid_constrain_node(self, held, n, at_end, velocity, acceleration)
+      class(rigid_t), intent(in) :: self
+      type(held_t), intent(in) :: held               !! Nodes of a tile
+      integer, intent(in) :: n                       !! Which of them
+      logical, intent(in) :: at_end                  !! Is the velocity that after the step?
+      real(wp), intent(inout) :: velocity(3)         !! [m/s]
+      real(wp), intent(inout) :: acceleration(3)     !! [m/s2]
+      real(wp) :: wall_velocity(3), pull(3), into
+
+      associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+         pull = wall%acceleration_at(held%place(:, n), self%kick)
+         wall_velocity = wall%velocity_at(held%place(:, n))
+         if (at_end) wall_velocity = wall_velocity + self%kick*pull
+         if (maxval(abs(normal)) > 0.0_wp) then
+            into = dot_product(velocity - wall_velocity, normal)
+            if (into < 0.0_wp) velocity = velocity - into*normal
+         else
+            velocity = wall_velocity
+            acceleration = merge(0.0_wp, pull, at_end)
+         end if
+      end associate
+   end subroutine rigid_constrain_node
 
    !> Friction of regions after Coulomb, as of boundaries: see boundary_friction. The velocities are
    !! those relative to the region. Equations (R.2) and (R.3).
@@ -226,39 +291,59 @@ contains
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Velocity after walls [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp) :: along(3), change(3), seen(3), taken, speed
+      type(press_t) :: press
       integer :: n, node
 
       if (.not. self%holds(tile)) return
       associate (held => self%held(tile))
          do n = 1, size(held%node)
             node = held%node(n)
-            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
-               if (.not. maxval(abs(normal)) > 0.0_wp) cycle
-               seen = free(:, node) - wall%velocity
-               change = dt*(acceleration(:, node) - wall%acceleration)
-               taken = -dot_product(change + share*seen, normal)
-               if (.not. taken > 0.0_wp) cycle
-               if (dot_product(seen + change, normal) > 0.0_wp) cycle
-               velocity(:, node) = velocity(:, node) &
-                  - dot_product(velocity(:, node) - wall%velocity, normal)*normal
-               acceleration(:, node) = acceleration(:, node) &
-                  - dot_product(change, normal)/dt*normal
-               along = velocity(:, node) + dt*acceleration(:, node) &
-                  - wall%velocity - dt*wall%acceleration
-               taken = wall%friction*taken
-               speed = norm2(along)
-               if (taken < speed) then
-                  taken = taken/speed
-               else
-                  taken = 1.0_wp
-               end if
-               if (wall%friction > 0.0_wp) &
-                  acceleration(:, node) = acceleration(:, node) - taken/dt*along
-            end associate
+            call self%press(held, n, dt, share, free(:, node), velocity(:, node), &
+               acceleration(:, node), press)
          end do
       end associate
    end subroutine rigid_apply_friction
+
+   !> Press a node on its region, unless it sticks anyway, or moves away.
+   pure subroutine rigid_press(self, held, n, dt, share, free, velocity, acceleration, press)
+      class(rigid_t), intent(in) :: self
+      type(held_t), intent(in) :: held               !! Nodes of a tile
+      integer, intent(in) :: n                       !! Which of them
+      real(wp), intent(in) :: dt                     !! Time step, above 0 [s]
+      real(wp), intent(in) :: share                  !! Share of PIC in the transfer, 0 to 1
+      real(wp), intent(in) :: free(3)                !! Velocity without walls [m/s]
+      real(wp), intent(inout) :: velocity(3)         !! Velocity after walls [m/s]
+      real(wp), intent(inout) :: acceleration(3)     !! [m/s2]
+      type(press_t), intent(out) :: press            !! How it was pressed
+      real(wp) :: wall_velocity(3), pull(3), along(3), change(3), seen(3), taken, speed
+
+      associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+         if (.not. maxval(abs(normal)) > 0.0_wp) return
+         wall_velocity = wall%velocity_at(held%place(:, n))
+         pull = wall%acceleration_at(held%place(:, n), self%kick)
+         seen = free - wall_velocity
+         change = dt*(acceleration - pull)
+         taken = -dot_product(change + share*seen, normal)
+         if (.not. taken > 0.0_wp) return
+         if (dot_product(seen + change, normal) > 0.0_wp) return
+         velocity = velocity - dot_product(velocity - wall_velocity, normal)*normal
+         acceleration = acceleration - dot_product(change, normal)/dt*normal
+         along = velocity + dt*acceleration - wall_velocity - dt*pull
+         press%pressed = .true.
+         press%gain = taken
+         press%along = along
+         press%friction = wall%condition%friction
+         taken = press%friction*taken
+         speed = norm2(along)
+         press%sticks = press%friction > 0.0_wp .and. .not. taken < speed
+         if (taken < speed) then
+            taken = taken/speed
+         else
+            taken = 1.0_wp
+         end if
+         if (press%friction > 0.0_wp) acceleration = acceleration - taken/dt*along
+      end associate
+   end subroutine rigid_press
 
    !> Set the normal velocity of nodes that regions constrained in the step to that of the region,
    !! unless the node separates.
@@ -274,9 +359,10 @@ contains
       associate (held => self%held(tile))
          do n = 1, size(held%node)
             node = held%node(n)
-            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
+            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
                if (.not. maxval(abs(normal)) > 0.0_wp) cycle
-               wall_velocity = wall%velocity + self%kick*wall%acceleration
+               wall_velocity = wall%velocity_at(held%place(:, n)) &
+                  + self%kick*wall%acceleration_at(held%place(:, n), self%kick)
                if (.not. stays(wall_velocity, normal, ended(:, node))) cycle
                velocity(:, node) = velocity(:, node) &
                   - dot_product(velocity(:, node) - wall_velocity, normal)*normal

@@ -11,6 +11,7 @@ module mesh_wall_sums
    public :: wall_push_t, wall_sums_t
 
    integer, parameter, public :: wall_entries = 4        !! Impulse along x, y, z [N s], work [J]
+   integer, parameter, public :: body_entries = 6        !! Impulse [N s] and its moment [N m s]
 
    !> Sums of all walls: boundaries and their parts, then rigid regions, then pairs of velocity
    !! fields. Not allocated unless an output shows forces.

@@ -12,7 +12,10 @@ module output_checkpoint
    use output_load_state, only: keep_marks, mark_new_loads, save_loads
    use output_streams, only: outputs_t
    use scene_particles, only: distribute_particles
+   use mesh_rigid, only: rigid_t
+   use mesh_rigid_body, only: body_state_size
    use step_body_force, only: update_gravity
+   use step_rigid_bodies, only: describe_bodies
    use step_exact_error, only: load_errors, save_errors
    use step_simulation, only: simulation_t
    use step_trust_record, only: load_trust, save_trust
@@ -55,6 +58,7 @@ contains
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%clock%dt, simulation%clock%guard%longest])
       call state%set("space", space_of(simulation))
+      if (allocated(simulation%space%rigid)) call save_bodies(simulation%space%rigid, state)
       call save_loads(simulation, state)
       if (allocated(simulation%space%cell)) call state%set("cell", simulation%space%cell%pack())
       if (allocated(simulation%effects%inflows)) call state%set("inflows", &
@@ -122,6 +126,11 @@ contains
          if (allocated(error)) return
          call simulation%space%cell%unpack(length)
       end if
+      if (allocated(simulation%space%rigid)) then
+         call continue_bodies(simulation%space%rigid, state, error)
+         if (allocated(error)) return
+         call describe_bodies(simulation%space%rigid, simulation%balance%ledger)
+      end if
       call continue_inflows(simulation, state, error)
       if (.not. allocated(error)) call keep_marks(simulation, state, error)
       if (allocated(error)) return
@@ -164,6 +173,44 @@ contains
          call simulation%effects%inflows(n)%continue(state%time, parts(2*n - 1:2*n))
       end do
    end subroutine continue_inflows
+
+   !> Add the states of rigid regions that turn, or that forces move.
+   subroutine save_bodies(rigid, state)
+      type(rigid_t), intent(in) :: rigid
+      type(state_t), intent(inout) :: state
+      real(wp) :: numbers(body_state_size*size(rigid%wall))
+      integer :: n
+
+      if (.not. rigid%has_bodies()) return
+      numbers = 0.0_wp
+      do n = 1, size(rigid%wall)
+         if (allocated(rigid%wall(n)%body)) numbers(body_state_size*(n - 1) + 1: &
+            body_state_size*n) = rigid%wall(n)%body%pack()
+      end do
+      call state%set("rigid_bodies", numbers)
+   end subroutine save_bodies
+
+   !> Continue these from their states.
+   subroutine continue_bodies(rigid, state, error)
+      type(rigid_t), intent(inout) :: rigid
+      type(state_t), intent(in) :: state
+      type(error_t), allocatable, intent(out) :: error !! The checkpoint is of another deck
+      real(wp), allocatable :: numbers(:)
+      integer :: n
+
+      if (.not. rigid%has_bodies()) return
+      call state%get("rigid_bodies", numbers, error)
+      if (allocated(error)) return
+      if (size(numbers) /= body_state_size*size(rigid%wall)) then
+         call fail(error, exit_file, "the checkpoint belongs to another deck: its number of "// &
+            "rigid regions differs [F110]")
+         return
+      end if
+      do n = 1, size(rigid%wall)
+         if (allocated(rigid%wall(n)%body)) call rigid%wall(n)%body%unpack( &
+            numbers(body_state_size*(n - 1) + 1:body_state_size*n))
+      end do
+   end subroutine continue_bodies
 
    !> Number the next checkpoint after all in the folder: a run that resumes from a given file
    !! keeps later ones.

@@ -15,7 +15,7 @@ module output_history_columns
    use step_diagnostics, only: examine_shapes, shapes_sample_t
    use step_exact_error, only: error_columns, measure_errors
    use step_ledger, only: balance_t, clear_meaningless, ledger_entries, mass, momentum, &
-      scale_count, sum_store
+      rigid_momentum, scale_count, sum_store
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -90,19 +90,22 @@ contains
    !> Choose columns by their names; "default" is the ledger, with the errors of an exact solution.
    !! For some of the particles "default" is the sums over them, with centre and mean velocity. Time
    !! and step are always included.
-   subroutine choose_history(fields, with_exact, grid, with_gravity, columns, error)
+   subroutine choose_history(fields, with_exact, grid, with_gravity, columns, error, with_bodies)
       character(len=*), intent(in) :: fields(:)      !! Names, or "default"
       logical, intent(in) :: with_exact              !! Is there an exact solution?
       type(grid_t), intent(in) :: grid               !! The grid and its directions
       logical, intent(in) :: with_gravity            !! Is there gravity?
       type(history_columns_t), intent(inout) :: columns !! Definition of the history; has its rule
       type(error_t), allocatable, intent(out) :: error !! A name does not work
+      logical, intent(in), optional :: with_bodies   !! Do forces move rigid regions? Default: no
       character(len=heading_length) :: list(every)
       character(len=:), allocatable :: fault
-      logical :: chosen(every)
+      logical :: chosen(every), rigid
       integer :: n, k
 
       list = all_columns()
+      rigid = .false.
+      if (present(with_bodies)) rigid = with_bodies
       if (allocated(columns%chosen)) deallocate (columns%chosen)
       allocate (columns%chosen(0))
       chosen = .false.
@@ -111,6 +114,7 @@ contains
       do n = 1, size(fields)
          if (fields(n) == "default") then
             do k = 1, size(list)
+               if (of_bodies(k) .and. .not. rigid) cycle
                if (is_usual(k, columns%rule%takes_all(), with_exact)) &
                   call take(k, columns%chosen, chosen)
             end do
@@ -132,6 +136,13 @@ contains
       end do
       columns%further = chosen(all_ledger + all_errors + 1:)
    end subroutine choose_history
+
+   !> True for the columns of rigid bodies.
+   pure logical function of_bodies(number) result(of)
+      integer, intent(in) :: number                  !! Number of the column
+
+      of = number >= before + rigid_momentum .and. number <= before + size(ledger_entries)
+   end function of_bodies
 
    !> True if "default" contains a column.
    pure logical function is_usual(number, all_particles, with_exact) result(usual)
@@ -155,7 +166,7 @@ contains
 
       known = number <= before
       if (number > before .and. number <= before + size(ledger_entries)) &
-         known = .not. ledger_entries(number - before)%accumulates
+         known = .not. (ledger_entries(number - before)%accumulates .or. of_bodies(number))
       if (number > all_ledger + all_errors) known = number - all_ledger - all_errors < stretch
    end function of_particles
 

@@ -19,7 +19,8 @@ module output_summary
    use output_streams, only: outputs_t
    use output_summary_steps, only: add_rules, steps_text
    use step_exact_error, only: measure_errors
-   use step_ledger, only: balance_t, ledger_entries, removed_mass, removed_particles
+   use step_ledger, only: balance_t, ledger_entries, removed_mass, removed_particles, &
+      rigid_momentum
    use step_node_fields, only: node_needs_t, node_tally_t
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
@@ -394,12 +395,14 @@ contains
       call json%add("energy_error", now%energy_error)
       call json%begin("start")
       do n = 1, size(ledger_entries)
+         if (n >= rigid_momentum .and. .not. simulation%balance%ledger%has_bodies) exit
          call json%add(trim(ledger_entries(n)%name), simulation%balance%ledger%start%entry(n))
       end do
       call json%add("total", simulation%balance%ledger%start%total)
       call json%end()
       call json%begin("end")
       do n = 1, size(ledger_entries)
+         if (n >= rigid_momentum .and. .not. simulation%balance%ledger%has_bodies) exit
          call json%add(trim(ledger_entries(n)%name), now%entry(n))
       end do
       call json%add("total", now%total)

@@ -76,8 +76,16 @@ contains
       call read_fields(group, deck, simulation, self, fields)
       ! read_fields has removed each invalid name
       call choose_history(fields, allocated(simulation%effects%exact), simulation%space%grid, &
-         allocated(simulation%effects%gravity), self%columns, error)
+         allocated(simulation%effects%gravity), self%columns, error, has_free_bodies(simulation))
    end subroutine history_read
+
+   !> Whether forces move rigid regions, so that the ledger has their momentum and energy.
+   pure logical function has_free_bodies(simulation) result(has)
+      type(simulation_t), intent(in) :: simulation
+
+      has = allocated(simulation%space%rigid)
+      if (has) has = simulation%space%rigid%responds()
+   end function has_free_bodies
 
    !> Without &output the ledger is written.
    subroutine history_read_default(self, simulation)
@@ -86,7 +94,7 @@ contains
       type(error_t), allocatable :: error
 
       call choose_history(["default"], allocated(simulation%effects%exact), simulation%space%grid, &
-         allocated(simulation%effects%gravity), self%columns, error)
+         allocated(simulation%effects%gravity), self%columns, error, has_free_bodies(simulation))
    end subroutine history_read_default
 
    !> The file of some of the particles always has the name of the stream: CASE_history.csv is the

@@ -45,7 +45,7 @@ contains
       text = grid_line(simulation, survey)//new_line("a")//particles_text(bodies, survey) &
          //disks_text(simulation, bodies, survey)//fields_text(simulation, survey)
       if (allocated(simulation%effects%contact)) text = text//contact_text(simulation, bodies)
-      text = text//joined_text(simulation, bodies)
+      text = text//rigid_text(simulation)//joined_text(simulation, bodies)
       text = text//sticking_text(simulation, bodies)
       text = text &
          //"step       first dt "//four_digits(dt)//" s"//cause//"; "// &
@@ -131,6 +131,38 @@ contains
          "; initial_stress = 'lithostatic' makes it denser"
       text = text//new_line("a")
    end function particles_text
+
+   !> A line for each rigid region that forces move: its mass, centre and moments of inertia.
+   function rigid_text(simulation) result(text)
+      type(simulation_t), intent(in) :: simulation
+      character(len=:), allocatable :: text
+      integer :: k, n
+
+      text = ""
+      if (.not. allocated(simulation%space%rigid)) return
+      do n = 1, size(simulation%space%rigid%wall)
+         associate (wall => simulation%space%rigid%wall(n))
+            if (.not. allocated(wall%body)) cycle
+            if (.not. wall%body%mass > 0.0_wp) cycle
+            text = text//"rigid      "//trim(wall%name)//": "//four_digits(wall%body%mass)// &
+               " kg, centre"
+            do k = 1, 3
+               text = text//" "//four_digits(wall%body%home(k))
+            end do
+            text = text//" m"
+            if (wall%body%free_spin) then
+               text = text//trim(merge(", moment of inertia ", ", moments of inertia", &
+                  wall%body%plane))
+               do k = 1, 3
+                  if (wall%body%plane .and. k /= 2) cycle
+                  text = text//" "//four_digits(wall%body%inertia(k, k))
+               end do
+               text = text//" kg m2"
+            end if
+            text = text//new_line("a")
+         end associate
+      end do
+   end function rigid_text
 
    !> Bodies that are joined at the start, because no contact separates them.
    function joined_text(simulation, bodies) result(text)

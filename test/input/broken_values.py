@@ -363,8 +363,8 @@ UNKNOWN = [
     ("sand", "type = 'friction'", "type = 'frictional'", 9,
      "&boundary: type = 'frictional' is none of: outflow stick slip friction velocity"),
     ("sand", "kind = 'history'", "kind = 'histories'", 10,
-     "&output: kind = 'histories' is none of: particles slice grid history profile fragments gauge forces cell; did "
-     "you mean 'history'?"),
+     "&output: kind = 'histories' is none of: particles slice grid history profile fragments gauge forces cell "
+     "rigid; did you mean 'history'?"),
     ("shock", "system = 'mm-us-mg'", "system = 'mm-us-mg'  output_units = 'mm-us-kg'", 2,
      "&units: output_units = 'mm-us-kg' is none of: deck si cgs mm-ms-kg mm-ms-g cm-us-g mm-us-mg"),
     ("shock", "kind = 'particles'", "kind = 'particles'  fields = 'velocty'", 17,

@@ -82,12 +82,12 @@ BROKEN = {
 WRONG = {
     "unknown": ("'Y = 90 MPa', 'yy = 1'", "the library has no constant 'yy'"),
     "case": ("'y = 90 MPa'", "the library has no constant 'y'; did you mean Y?"),
-    "missing": ("'Z = 1'", "library_constants: 'Y = NUMBER Pa' must be given: yield stress [D369]"),
-    "again": ("'Y = 90 MPa', 'Y = 1 Pa'", "library_constants: 'Y' is given twice [D369]"),
+    "missing": ("'Z = 1'", "library_constants: 'Y = NUMBER Pa' must be given: yield stress [D376]"),
+    "again": ("'Y = 90 MPa', 'Y = 1 Pa'", "library_constants: 'Y' is given twice [D376]"),
     "unit": ("'Y = 90 m'", "library_constants: Y expects Pa or a unit of the same kind such as GPa, not 'm' [D202]"),
     "range": ("'Y = -1'", "library_constants: Y must be > 0 Pa [D214]"),
     "number": ("'Y = big'", "library_constants: Y expects a number"),
-    "form": ("'Y 90'", "library_constants: 'Y 90' is not of the form 'NAME = NUMBER UNIT' [D369]"),
+    "form": ("'Y 90'", "library_constants: 'Y 90' is not of the form 'NAME = NUMBER UNIT' [D376]"),
 }
 
 # Bodies of laws that break a rule, and what --check says about them.
@@ -155,13 +155,13 @@ def test_units(options):
     assert "law: soft of" in run.output and "; Y = 9.0e7 Pa" in run.output, run.output
     run.deck.write_text("&units system='mm-ms-g' /\n" + run.deck.read_text(encoding="utf-8"), encoding="utf-8")
     run.run("--check", expect=2)
-    assert "'Y = 9e7' needs a unit, such as Pa, in a deck with &units [D369]" in run.output, run.output
+    assert "'Y = 9e7' needs a unit, such as Pa, in a deck with &units [D376]" in run.output, run.output
 
 
 def test_rejected(options):
     """The check of a library rejects constants with its own words."""
     run = prepared(options, "rejected", "'Y = 2 GPa'", "-DCHECK").run("--check", expect=2)
-    assert "library_constants: the library rejects them: Y is too large [D369]" in run.output, run.output
+    assert "library_constants: the library rejects them: Y is too large [D376]" in run.output, run.output
     prepared(options, "accepted", GOOD, "-DCHECK").run("--check")
 
 

@@ -19,6 +19,7 @@ from post_command import call, run_cases, series
 from sample_snapshots import matter, write
 from scree.drawing import surface, view_options
 from scree.drawing.colour import colour_for, paint, values_of
+from scree.drawing.walls import Wall, add_paths
 from scree_post import film, fragment_table, pieces
 from scree_post.command import parser_of
 from scree_post.commands import movie as movie_command
@@ -78,6 +79,23 @@ def ball_of(axes, width=1.0, radius=16.0):
     places = np.stack([side.ravel() for side in np.meshgrid(*sides)], axis=1)
     places = places[np.linalg.norm(places, axis=1) < radius]
     return width * (places + np.random.default_rng(3).uniform(-0.25, 0.25, places.shape)) + np.arange(1.0, axes + 1.0)
+
+
+def test_rigid_bodies_turn():
+    """Would catch a rotation about the origin, one in the wrong sense, and a place of the row before or after."""
+    half = math.sqrt(0.5)
+    table = {"time": np.array([0.0, 1.0, 3.0]), "ram_x": np.array([1.0, 1.0, 2.0]), "ram_y": np.zeros(3),
+             "ram_z": np.array([0.0, 0.0, 4.0]), "ram_turn_1": np.array([1.0, half, -half]), "ram_turn_x": np.zeros(3),
+             "ram_turn_y": np.array([0.0, half, -half]), "ram_turn_z": np.zeros(3)}
+    body, other = Wall("ram", "slip", 0, -1.0e30, 1.0e30), Wall("zlo", "slip", 5, -1.0e30, 1.0e30)
+    add_paths([body, other], table)
+    assert other.path is None
+    corner = np.array([[[3.0, 0.0, 0.0], [1.0, 0.0, 1.0]]])
+    assert np.allclose(body.placed(corner, 0.0), corner, atol=1.0e-15)
+    # a quarter of a turn about y takes x to -z and z to x
+    assert np.allclose(body.placed(corner, 1.0), [[[1.0, 0.0, -2.0], [2.0, 0.0, 0.0]]], atol=1.0e-15)
+    assert np.allclose(body.placed(corner, 2.0), [[[1.5, 0.0, 0.0], [2.5, 0.0, 2.0]]], atol=1.0e-15)
+    assert np.allclose(body.placed(corner, 9.0), [[[2.0, 0.0, 2.0], [3.0, 0.0, 4.0]]], atol=1.0e-15)
 
 
 def test_surface():

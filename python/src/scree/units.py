@@ -33,11 +33,11 @@ BY_COLUMN = ((re.compile(r"torque_impulse_[xyz]"), "N m s"), (re.compile(r"(\w+_
 # Numbers of CASE.summary.json, which is always in SI.
 SUMMARY = ((r"(time|dt|wall_s|processor_s)", "s"),
            (r"(torque_impulse)_[xyz]", "N m s"), (r"impulse_[xyz]", "N s"),
-           (r"(lost_|removed_)?angular_momentum_[xyz]", "kg m2/s"),
-           (r"(lost_|removed_)?momentum_[xyz]", "kg m/s"),
+           (r"(lost_|removed_|rigid_)?angular_momentum_[xyz]", "kg m2/s"),
+           (r"(lost_|removed_|rigid_)?momentum_[xyz]", "kg m/s"),
            (r"(lost_|removed_|failed_|retired_)?mass", "kg"),
            (r"(kinetic|internal|viscous|plastic|dissipated|damped|total|potential|external_work"
-            r"|lost_energy|removed_energy)", "J"),
+            r"|lost_energy|removed_energy|rigid_kinetic)", "J"),
            (r"(greatest_)?displacement(_error)?", "m"), (r"velocity_error", "m/s"),
            (r"stress_error|pressure_(min|max)", "Pa"), (r"density_(min|max)", "kg/m3"),
            (r"speed_max", "m/s"))

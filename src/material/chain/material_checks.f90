@@ -247,18 +247,18 @@ contains
       else if (fields /= library_fields_text(declared)) then
          call deck%add_error(group, "the fields of the library are '"// &
             library_fields_text(declared)//"', not '"//fields//"'; use the library for which "// &
-            "the deck was written, or remove library_fields [D370]", "library_fields")
+            "the deck was written, or remove library_fields [D377]", "library_fields")
       end if
       if (declared%needs_temperature .and. .not. effects%thermal) call deck%add_error(group, &
          "the law '"//declared%name//"' of the library needs temperatures; set &effects "// &
-         "thermal = .true. [D370]", "library")
+         "thermal = .true. [D377]", "library")
       if (allocated(material%eos)) call material%eos%request(others)
       if (allocated(material%damage)) call material%damage%request(others)
       do n = 1, size(declared%fields)
          if (declared%fields(n)%name == "plastic_strain") cycle
          if (others%has(declared%fields(n)%name)) call deck%add_error(group, "field '"// &
             declared%fields(n)%name//"' of the library is also one of eos_model or "// &
-            "damage_model; rename that of the library [D370]", "library")
+            "damage_model; rename that of the library [D377]", "library")
       end do
    end subroutine check_library
 

@@ -90,7 +90,7 @@ contains
          if (message(i) == c_null_char) exit
          text = text//message(i)
       end do
-      call append(faults, "library_constants: the library rejects them: "//text//" [D369]")
+      call append(faults, "library_constants: the library rejects them: "//text//" [D376]")
    end subroutine library_take
 
    !> True, unless the library could not be loaded.

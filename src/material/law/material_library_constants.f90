@@ -42,7 +42,7 @@ contains
             call convert(keys(place), keys(place)%default, "", system_si, values(place), fault)
          else
             fault = "library_constants: '"//keys(place)%name//" = "//example(keys(place))// &
-               "' must be given: "//keys(place)%doc//" [D369]"
+               "' must be given: "//keys(place)%doc//" [D376]"
          end if
          if (fault /= "") call append(faults, fault)
       end do
@@ -65,7 +65,7 @@ contains
       name = trim(adjustl(text(:max(equals - 1, 0))))
       call split(text(equals + 1:), words)
       if (equals < 2 .or. name == "" .or. size(words) == 0) then
-         fault = "library_constants: '"//text//"' is not of the form 'NAME = NUMBER UNIT' [D369]"
+         fault = "library_constants: '"//text//"' is not of the form 'NAME = NUMBER UNIT' [D376]"
          return
       end if
       do place = size(keys), 1, -1
@@ -74,7 +74,7 @@ contains
       if (place == 0) then
          fault = unknown(keys, name)
       else if (given(place)) then
-         fault = "library_constants: '"//name//"' is given twice [D369]"
+         fault = "library_constants: '"//name//"' is given twice [D376]"
       else
          given(place) = .true.
          call split_unit(words(1)%text, digits, unit)
@@ -102,7 +102,7 @@ contains
       fault = ""
       if (unit == "" .and. key%unit_text /= "" .and. system /= system_si) then
          fault = "library_constants: '"//key%name//" = "//digits//"' needs a unit, such as "// &
-            key%unit_text//", in a deck with &units [D369]"
+            key%unit_text//", in a deck with &units [D376]"
          return
       end if
       call convert_number(key, item, system_si, value, problem)
@@ -131,7 +131,7 @@ contains
          fault = fault//"; it has "//join(names(:min(named, size(keys))), ", ")
          if (size(keys) > named) fault = fault//" and "//number(size(keys) - named)//" others"
       end if
-      fault = fault//" [D369]"
+      fault = fault//" [D376]"
    end function unknown
 
    !> A number of a constant for a message: its unit after NUMBER.

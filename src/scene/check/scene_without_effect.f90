@@ -121,7 +121,7 @@ contains
          call boundary%get("region", name)
          do wall = 1, size(simulation%space%rigid%wall)
             associate (rigid => simulation%space%rigid%wall(wall))
-               if (rigid%name /= name .or. rigid%stays .or. rigid%motion%moves()) cycle
+               if (rigid%name /= name .or. rigid%stays .or. rigid%moves()) cycle
                if (is_outside(simulation, rigid)) call deck%warn(boundary, "the region '"// &
                   name//"' lies outside of the grid and does not move; it does nothing [D445]", &
                   "region")

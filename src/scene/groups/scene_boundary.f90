@@ -14,6 +14,7 @@ module scene_boundary
    use scene_dimension, only: check_plane
    use scene_motion_table, only: read_motion_table
    use scene_regions, only: named_shape_t
+   use scene_rigid_body, only: check_rigid_body, declare_rigid_body, read_rigid_body
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -55,6 +56,7 @@ contains
          call choose_boundary(boundary_names(n), condition)
          call condition%declare(schema)
       end do
+      call declare_rigid_body(schema, "type ="//walls)
       call schema%real("boundary", "t_on", &
          "time from which the wall acts, and from which a region moves", unit="s", default="0.0", &
          range=">= 0", owner="type ="//walls)
@@ -89,6 +91,7 @@ contains
          call boundary%get("type", kind)
          call choose_boundary(kind, condition)
          call check_plane(deck, boundary, "velocity")
+         call check_rigid_body(deck, boundary)
          call check_wall(deck, boundary, condition)
          joins = .false.
          if (allocated(condition)) joins = condition%joins_opposite()
@@ -382,5 +385,7 @@ contains
             "' is a list of points, which has no interior; name another region [D414]", "region")
          allocate (wall%region, source=shapes(index)%shape%shape)
       end do
+      if (allocated(wall%region) .and. .not. group%given("face")) call read_rigid_body(deck, &
+         simulation%space%grid, group, wall)
    end subroutine read_wall
 end module scene_boundary

@@ -15,6 +15,7 @@ module scene_first_state
    use scene_velocity_formula, only: add_formula_velocities
    use step_body_force, only: update_gravity
    use step_simulation, only: simulation_t
+   use step_rigid_bodies, only: describe_bodies
    implicit none
    private
 
@@ -46,6 +47,8 @@ contains
       call first_step(simulation)
       call continue_clock(simulation, bodies, shapes)
       call update_gravity(simulation%effects, simulation%clock)
+      if (allocated(simulation%space%rigid)) call describe_bodies(simulation%space%rigid, &
+         simulation%balance%ledger)
       call simulation%balance%ledger%balance(simulation%machine%communicator, &
          simulation%space%grid, &
          simulation%stores, simulation%materials, simulation%balance%ledger%start)

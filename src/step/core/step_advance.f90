@@ -24,6 +24,7 @@ module step_advance
    use step_normalised_sums, only: find_edge_factors
    use step_particles_to_nodes, only: particles_to_nodes
    use step_retry, only: check_node_displacement
+   use step_rigid_bodies, only: describe_bodies, move_bodies, solve_bodies, start_bodies
    use step_sides, only: find_sides
    use step_simulation, only: simulation_t, velocity_field_t
    use step_sort_particles, only: count_particles, sort_particles, split_particles
@@ -74,6 +75,8 @@ contains
             call give_to_particles(simulation, fields(n), gather_parts_t(work=scheme%works, &
                motion=.true., strain=method%stress /= stress_before), dt)
          end do
+         call move_bodies(simulation, dt)
+         if (allocated(space%rigid)) call describe_bodies(space%rigid, simulation%balance%ledger)
          ! time, gravity and counters at the end of the step
          clock%updates = clock%updates + count_particles(stores)
          clock%time = clock%time + dt
@@ -194,6 +197,8 @@ contains
          do
             clock%kick = scheme%method%kick(clock%dt, dt)
             call average_gravity(scheme%method, effects, clock)
+            call start_bodies(simulation)
+            call solve_bodies(simulation, clock%kick)
             if (allocated(effects%contact)) then
                call move_in_contact(simulation, clock%kick)
             else

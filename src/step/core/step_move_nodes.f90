@@ -12,7 +12,7 @@ module step_move_nodes
    use step_dual_gradient, only: limit_tile_gains, find_volumes, store_gradient
    use step_method, only: method_t
    use step_node_displacement, only: examine_tile, is_worse
-   use step_node_fields, only: empty_mass, motion_nodes_t, nodes_t, vector_rows
+   use step_node_fields, only: dual_nodes_t, empty_mass, motion_nodes_t, nodes_t, vector_rows
    use step_node_sums, only: divide_nodes, divide_motion, ensure_sums, find_sums, count_slots
    use step_simulation, only: clock_t, machine_t, reach_t, scheme_t, scratch_t, &
       simulation_effects_t, simulation_t, space_t
@@ -22,8 +22,8 @@ module step_move_nodes
    implicit none
    private
 
-   public :: find_remapped_velocities, finish_node_motion, move_nodes, records_later, &
-      restore_velocities, start_node_motion
+   public :: ensure_moved, find_free_motion, find_remapped_velocities, finish_node_motion, &
+      move_nodes, records_later, restore_velocities, start_node_motion
 
 contains
 
@@ -234,27 +234,15 @@ contains
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
-      real(wp) :: force(3, space%grid%tile_nodes)
-      integer :: component, slot
+      integer :: slot
 
       slot = nodes%motion%slot(tile)
       if (nodes%motion%lean .or. .not. scheme%method%dual) call find_sums(space, &
          nodes%motion, tile, slot)
-      associate (grid => space%grid, velocity => nodes%motion%velocity(:, :, slot), &
-         acceleration => nodes%motion%acceleration(:, :, slot), &
-         mass => nodes%motion%mass(1, :, slot))
-         if (scheme%method%dual) then
-            call nodes%dual%force%assemble(grid, space%tiles, nodes%dual%weighted, tile, force)
-            call add_field(force, acceleration)
-         end if
-         call divide_motion(nodes%motion%mass(:, :, slot), velocity, acceleration)
-         if (allocated(effects%gravity)) then
-            do component = 1, 3
-               where (mass > empty_mass) acceleration(component, :) = acceleration(component, :) &
-                  + effects%gravity(component)
-            end do
-         end if
-         if (effects%damping > 0.0_wp) acceleration = acceleration - effects%damping*velocity
+      associate (velocity => nodes%motion%velocity(:, :, slot), &
+         acceleration => nodes%motion%acceleration(:, :, slot))
+         call find_free_motion(space, scheme, effects, nodes%dual, tile, &
+            nodes%motion%mass(:, :, slot), velocity, acceleration)
          if (allocated(space%cell)) call turn_nodes(space, nodes%motion, scratch, tile, dt, &
             velocity, acceleration)
          call constrain_tile(space, scheme, effects, clock, nodes, scratch, tile, dt, &
@@ -264,6 +252,34 @@ contains
             call record_unbalanced(space%grid, nodes%motion, scratch, tile, acceleration)
       end associate
    end subroutine start_tile
+
+   !> Velocity and acceleration of the nodes of a tile before walls act, from momentum and force.
+   pure subroutine find_free_motion(space, scheme, effects, dual, tile, mass, velocity, &
+      acceleration)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
+      type(dual_nodes_t), intent(in) :: dual         !! Forces of the dual gradient
+      integer, intent(in) :: tile
+      real(wp), contiguous, intent(in) :: mass(:, :) !! (1, node) [kg]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) In: momentum [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) In: force [m/s2]
+      real(wp) :: force(3, space%grid%tile_nodes)
+      integer :: component
+
+      if (scheme%method%dual) then
+         call dual%force%assemble(space%grid, space%tiles, dual%weighted, tile, force)
+         call add_field(force, acceleration)
+      end if
+      call divide_motion(mass, velocity, acceleration)
+      if (allocated(effects%gravity)) then
+         do component = 1, 3
+            where (mass(1, :) > empty_mass) acceleration(component, :) = &
+               acceleration(component, :) + effects%gravity(component)
+         end do
+      end if
+      if (effects%damping > 0.0_wp) acceleration = acceleration - effects%damping*velocity
+   end subroutine find_free_motion
 
    !> Acceleration of the nodes of a tile in a cell that deforms, and the work of its flow on them.
    subroutine turn_nodes(space, motion, scratch, tile, dt, velocity, acceleration)

@@ -116,6 +116,8 @@ module step_simulation
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       !> Mass times acceleration of nodes in the last step, if a criterion needs it [N]
       type(exact_sum_t), allocatable :: unbalanced
+      !> (entry, region) Impulses on the material of rigid bodies that forces move, in this step
+      type(exact_sum_t), allocatable :: bodies(:, :)
       real(wp) :: load_work = 0.0_wp !! Greatest work of loads on a particle in a step [J/kg]
       logical :: sound = .true.                      !! Are all particles in their bounds?
       logical :: retired = .false.                   !! True if a particle was retired

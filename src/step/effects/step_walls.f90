@@ -8,7 +8,8 @@ module step_walls
    use mesh_boundary, only: boundary_t
    use mesh_rigid, only: held_t
    use mesh_wall, only: wall_t
-   use mesh_wall_sums, only: wall_push_t
+   use mesh_wall_sums, only: wall_entries, wall_push_t
+   use step_body_impulses, only: record_bodies, record_turning
    use step_dissipation, only: measures_damping, record_damped
    use step_ledger, only: ledger_t
    use step_method, only: method_t
@@ -18,7 +19,7 @@ module step_walls
    implicit none
    private
 
-   public :: apply_walls, constrain_tile, hold_at_walls, pair_row, record_push, &
+   public :: apply_boundaries, apply_walls, constrain_tile, hold_at_walls, pair_row, record_push, &
       record_stopped, record_unbalanced, record_walls, start_walls, &
       stop_at_walls, walls_touch
 
@@ -191,10 +192,16 @@ contains
          measures_damping(scheme%method, scheme%carries_energy) .and. .not. keeps) &
          brought = velocity
       if (ruled .and. dt > 0.0_wp .and. tile <= space%tiles%own .and. &
-         allocated(scratch%ledger%walls%total)) then
+         (allocated(scratch%ledger%walls%total) .or. allocated(scratch%bodies))) then
          call apply_walls(space, scheme%method, clock, tile, dt, velocity, acceleration, &
             push, work, each)
-         call record_walls(space, nodes%motion, scratch%ledger, tile, each)
+         if (allocated(scratch%ledger%walls%total)) &
+            call record_walls(space, nodes%motion, scratch%ledger, tile, each)
+         if (allocated(scratch%bodies)) then
+            if (space%rigid%meets_body(tile)) &
+               call record_bodies(space, nodes%motion, number_of_walls(space) &
+               - size(space%rigid%wall), scratch%bodies, tile, each)
+         end if
       else if (ruled) then
          call apply_walls(space, scheme%method, clock, tile, dt, velocity, acceleration, push, work)
       end if
@@ -254,6 +261,25 @@ contains
       end select
    end function stage_acts
 
+   !> Impose on a tile what acts before the rigid regions: forces and velocities of boundaries.
+   pure subroutine apply_boundaries(space, method, clock, tile, dt, velocity, acceleration)
+      type(space_t), intent(in) :: space
+      type(method_t), intent(in) :: method
+      type(clock_t), intent(in) :: clock
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp) :: free(3, size(velocity, 2))
+      integer :: stage
+
+      free = velocity
+      do stage = forcing, holding
+         if (stage_acts(space%boundary, clock, stage, dt)) call apply_boundary(space, method, &
+            clock, tile, stage, dt, free, velocity, acceleration)
+      end do
+   end subroutine apply_boundaries
+
    !> Apply a stage of boundaries, all of them or one.
    pure subroutine apply_boundary(space, method, clock, tile, stage, dt, free, velocity, &
       acceleration, only)
@@ -305,6 +331,9 @@ contains
             total = total + own(node)*each%gain(:, node, wall)
          end do
          if (.not. maxval(abs(total)) > 0.0_wp) cycle
+         if (wall > before) call record_turning(space%rigid%held(tile), own, &
+            each%gain(:, :, wall), wall - before, space%rigid%wall(wall - before), &
+            ledger%walls%total(wall_entries, wall))
          if (wall <= before) then
             call ledger%walls%add(wall, total, middle_velocity(space%boundary%wall(wall), each%dt))
          else

@@ -77,9 +77,15 @@ module step_ledger
    integer, parameter, public :: retired_mass = removed_particles + 1
    !> Kinetic energy removed by the PIC fraction that no internal energy gains.
    integer, parameter, public :: damped = retired_mass + 1
+   !> First of three components of the momentum of rigid bodies.
+   integer, parameter, public :: rigid_momentum = damped + 1
+   !> First of three components of their angular momentum about the origin.
+   integer, parameter, public :: rigid_angular = rigid_momentum + 3
+   !> Their kinetic energy.
+   integer, parameter, public :: rigid_kinetic = rigid_angular + 3
 
    !> All entries, in the order of columns and checkpoints.
-   type(ledger_entry_t), parameter :: ledger_entries(damped) = [ &
+   type(ledger_entry_t), parameter :: ledger_entries(rigid_kinetic) = [ &
       ledger_entry_t("mass", "kg", .false.), &
       ledger_entry_t("momentum_x", "kg m/s", .false., 1, .false.), &
       ledger_entry_t("momentum_y", "kg m/s", .false., 2, .false.), &
@@ -118,7 +124,14 @@ module step_ledger
       ledger_entry_t("removed_angular_momentum_z", "kg m2/s", .true., 3, .true.), &
       ledger_entry_t("removed_particles", "1", .true.), &
       ledger_entry_t("retired_mass", "kg", .true.), &
-      ledger_entry_t("damped", "J", .true.)]
+      ledger_entry_t("damped", "J", .true.), &
+      ledger_entry_t("rigid_momentum_x", "kg m/s", .false., 1, .false.), &
+      ledger_entry_t("rigid_momentum_y", "kg m/s", .false., 2, .false.), &
+      ledger_entry_t("rigid_momentum_z", "kg m/s", .false., 3, .false.), &
+      ledger_entry_t("rigid_angular_momentum_x", "kg m2/s", .false., 1, .true.), &
+      ledger_entry_t("rigid_angular_momentum_y", "kg m2/s", .false., 2, .true.), &
+      ledger_entry_t("rigid_angular_momentum_z", "kg m2/s", .false., 3, .true.), &
+      ledger_entry_t("rigid_kinetic", "J", .false.)]
 
    !> Turning motion relative to that about the origin below which its error is rounding [1]
    real(wp), parameter :: least_turn = 1.0e-6_wp
@@ -148,6 +161,9 @@ module step_ledger
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
       real(wp) :: turn_scale = 0.0_wp    !! Greatest turning motion [kg m2/s], equation (L.13)
+      logical :: has_bodies = .false.                !! Are there rigid bodies with a mass?
+      real(wp) :: bodies(7) = 0.0_wp !! Their momentum, angular momentum and kinetic energy
+      real(wp) :: body_scales(2) = 0.0_wp            !! Their parts of the scales
    contains
       procedure :: record_lost => ledger_record_lost     !! Record the particles that left the box
       procedure :: record_particle => ledger_record_particle     !! Record a particle that leaves
@@ -276,6 +292,7 @@ contains
          call sums(n)%over_ranks(communicator)
          now%entry(n) = sums(n)%value()
       end do
+      now%entry(rigid_momentum:) = self%bodies
       call clear_meaningless(grid, now%entry)
       do n = 1, scale_count
          call scales(n)%over_ranks(communicator)
@@ -285,18 +302,24 @@ contains
       call total%merge(sums(lost_energy))
       call total%merge(sums(removed_energy))
       call total%merge(sums(dissipated))
+      call total%add(now%entry(rigid_kinetic))
       now%total = total%value()
-      self%momentum_scale = max(self%momentum_scale, scales(1)%value())
-      self%angular_scale = max(self%angular_scale, scales(2)%value())
+      self%momentum_scale = max(self%momentum_scale, scales(1)%value() &
+         + self%body_scales(1))
+      self%angular_scale = max(self%angular_scale, scales(2)%value() &
+         + self%body_scales(2))
       now%mass_error = quotient_of(now%entry(mass) + now%entry(lost_mass) &
          + now%entry(removed_mass) - self%start%entry(mass), self%start%entry(mass))
       drift = now%entry(momentum:momentum + 2) + now%entry(lost_momentum:lost_momentum + 2) &
          + now%entry(removed_momentum:removed_momentum + 2) - now%entry(impulse:impulse + 2) &
-         - self%start%entry(momentum:momentum + 2)
+         - self%start%entry(momentum:momentum + 2) + now%entry(rigid_momentum:rigid_momentum + 2) &
+         - self%start%entry(rigid_momentum:rigid_momentum + 2)
       now%momentum_error = quotient_of(norm2(drift), self%momentum_scale)
       drift = now%entry(angular:angular + 2) + now%entry(lost_angular:lost_angular + 2) &
          + now%entry(removed_angular:removed_angular + 2) &
-         - now%entry(torque:torque + 2) - self%start%entry(angular:angular + 2)
+         - now%entry(torque:torque + 2) - self%start%entry(angular:angular + 2) &
+         + now%entry(rigid_angular:rigid_angular + 2) &
+         - self%start%entry(rigid_angular:rigid_angular + 2)
       ! in a periodic box angular momentum has no meaning
       if (any(grid%periodic)) drift = 0.0_wp
       now%angular_error = quotient_of(norm2(drift), self%angular_scale)

@@ -13,6 +13,7 @@ module step_trust
    use material_type, only: material_t
    use mesh_grid, only: grid_t
    use mesh_motion, only: motion_t
+   use mesh_rigid_body, only: rigid_body_t
    use particle_body, only: body_t
    use particle_store, only: store_t
    use step_diagnostics, only: bounds_limits_t, bounds_sample_t, examine_bounds, examine_shapes, &
@@ -331,6 +332,8 @@ contains
       if (allocated(space%rigid)) then
          do n = 1, size(space%rigid%wall)
             square = max(square, greatest_motion(space%rigid%wall(n)%motion)**2)
+            if (allocated(space%rigid%wall(n)%body)) square = max(square, &
+               first_speed(space%rigid%wall(n)%body, space%grid)**2)
          end do
       end if
       associate (whole => ledger%start%entry(mass))
@@ -339,6 +342,15 @@ contains
       ! loads may act on a small part of a body at rest, whose mean work is then small
       square = max(square, 2.0_wp*trust%load_work)
    end function explained_square
+
+   !> Greatest speed of a point of a rigid body in the domain at the start, or more [m/s].
+   pure real(wp) function first_speed(body, grid) result(speed)
+      type(rigid_body_t), intent(in) :: body
+      type(grid_t), intent(in) :: grid
+
+      speed = norm2(body%first_velocity) + norm2(body%first_spin)*min(body%radius, &
+         norm2(max(abs(grid%upper - body%home), abs(grid%lower - body%home))))
+   end function first_speed
 
    !> Greatest speed of a wall, or more [m/s].
    pure real(wp) function greatest_motion(motion) result(speed)

@@ -42,6 +42,7 @@ class Wall:
     cells: list[Array] = field(default_factory=list)            # corners (n, 3) of each facet [m]
     times: Array | None = None                                 # of the shifts [s]
     shifts: Array | None = None                                # (time, 3) [m]
+    path: Array | None = None                                  # (time, 8) Of a body: time, centre, quaternion
 
     def acts(self, time: float) -> bool:
         """True if it acts at a time."""
@@ -53,6 +54,28 @@ class Wall:
             return np.zeros(3)
         times, shifts = self.times, self.shifts
         return np.array([np.interp(time, times, shifts[:, k]) for k in range(3)])
+
+    def placed(self, pieces: Array, time: float) -> Array:
+        """Facets at a time, from those at the start: displaced, or displaced and turned as a rigid body."""
+        if self.path is None:
+            return pieces + self.shift(time)
+        table = self.path
+        row = int(np.clip(np.searchsorted(table[:, 0], time, side="right") - 1, 0, len(table) - 1))
+        following = min(row + 1, len(table) - 1)
+        length = table[following, 0] - table[row, 0]
+        part = float(np.clip((time - table[row, 0]) / length, 0.0, 1.0)) if length > 0.0 else 0.0
+        first, second = table[row, 4:], table[following, 4:]
+        if first @ second < 0.0:
+            second = -second
+        centre = (1.0 - part) * table[row, 1:4] + part * table[following, 1:4]
+        turn = (1.0 - part) * first + part * second
+        a, b, c, d = turn / np.linalg.norm(turn)
+        matrix = ((a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
+                  (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
+                  (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d))
+        x, y, z = (pieces[..., k] - table[0, 1 + k] for k in range(3))
+        # written out: equal corners of two facets keep equal bits
+        return np.stack([centre[k] + matrix[k][0] * x + matrix[k][1] * y + matrix[k][2] * z for k in range(3)], axis=-1)
 
     @property
     def label(self) -> str:
@@ -92,7 +115,21 @@ def read_walls(path: str) -> list[Wall]:
 def walls_of(snap: Snapshot) -> list[Wall]:
     """The walls of the run of a snapshot; none if the run wrote no such file."""
     path = walls_file(snap)
-    return read_walls(path) if path else []
+    if not path:
+        return []
+    walls = read_walls(path)
+    table = path.removesuffix("_walls.hdf") + "_rigid.csv"
+    if os.path.exists(table):
+        add_paths(walls, files.history(table, may_be_empty=True))
+    return walls
+
+
+def add_paths(walls: Sequence[Wall], table: files.History) -> None:
+    """Give rigid bodies their paths from the table of `kind = 'rigid'`."""
+    for wall in walls:
+        names = [wall.name + ending for ending in ("_x", "_y", "_z", "_turn_1", "_turn_x", "_turn_y", "_turn_z")]
+        if wall.face == 0 and all(name in table for name in names) and len(table["time"]):
+            wall.path = np.stack([table["time"], *(table[name] for name in names)], axis=1)
 
 
 def images(pieces: Array, snap: Snapshot) -> Array:
@@ -111,7 +148,7 @@ def at_time(wall: Wall, snap: Snapshot, mirror: bool, time: float) -> Array:
     """Facets (m, n, 3) of a wall at a time [m]; none while it does not act."""
     if not wall.cells or not wall.acts(time):
         return np.zeros((0, 2, 3))
-    pieces = np.stack(wall.cells) + wall.shift(time)
+    pieces = wall.placed(np.stack(wall.cells), time)
     return images(pieces, snap) if mirror else pieces
 
 
