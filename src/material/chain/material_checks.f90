@@ -202,9 +202,10 @@ contains
 
       if (.not. group%given("spall")) call deck%add_error(group, "spall_time needs spall, the "// &
          "tension that fades [D364]", "spall_time")
-      if (.not. material%carries_energy() .and. group%written("spall_time")) call deck%add_error(group, "spall_time needs an "// &
-         "eos_model with an internal energy, which takes up the work of the tension; remove "// &
-         "spall_time, or choose such an eos_model [D364]", "spall_time")
+      if (group%written("spall_time") .and. .not. material%carries_energy()) &
+         call deck%add_error(group, "spall_time needs an eos_model with an internal energy, "// &
+         "which takes up the work of the tension; remove spall_time, or choose such an "// &
+         "eos_model [D364]", "spall_time")
    end subroutine check_fading
 
    !> A law that gives the whole stress excludes other models.

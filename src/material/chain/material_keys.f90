@@ -95,8 +95,8 @@ contains
       call schema%real("material", "spall_time", "time in which the tension of a particle that "// &
          "has reached spall fades while pores grow; default: it fails at once", unit="s", &
          range="> 0", owner="effects.damage")
-      call schema%forbid_change("material", "spall_time", "the particles store the share of the "// &
-         "strength that has faded")
+      call schema%forbid_change("material", "spall_time", "the particles store the share of "// &
+         "the strength that has faded")
       call schema%text("material", "volume_from", "volume of loose material: motion, "// &
          "integrated from the velocity gradient; grid, corrected where the nodes have gaps or "// &
          "too many particles", default="motion", words="motion grid", &

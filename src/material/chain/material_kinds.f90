@@ -6,17 +6,17 @@ module material_kinds
    implicit none
    private
 
-   public :: is_fluid, is_gas, is_loose, matter_of, matter_t, may_lock, stores_work, &
+   public :: is_fluid, is_gas, is_loose, kinds_of, kinds_t, may_lock, stores_work, &
       supports_any_shear
 
    !> What kinds of material a deck has, as far as defaults of the method depend on it.
-   type :: matter_t
+   type :: kinds_t
       logical :: stored = .false.                    !! All materials store work reversibly
       logical :: keeps = .false.                     !! The method must keep their energy
       logical :: gases = .false.                     !! All material is a gas
       logical :: some_gas = .false.                  !! Some is a gas or an explosive
       logical :: condensed = .false.                 !! Some that is no gas has an internal energy
-   end type matter_t
+   end type kinds_t
 
    !> Poisson's ratio from which on particles keep their volume, so that few cells lock [1]
    real(wp), parameter :: nearly_incompressible = 0.45_wp
@@ -24,16 +24,16 @@ module material_kinds
 contains
 
    !> Kinds of the materials of a deck.
-   pure function matter_of(materials) result(matter)
+   pure function kinds_of(materials) result(kinds)
       type(material_t), intent(in) :: materials(:)   !! Materials of the deck
-      type(matter_t) :: matter
+      type(kinds_t) :: kinds
 
-      matter%stored = stores_work(materials)
-      matter%keeps = must_keep_energy(materials)
-      matter%gases = all_gases(materials)
-      matter%some_gas = any_gas(materials)
-      matter%condensed = any_condensed(materials)
-   end function matter_of
+      kinds%stored = stores_work(materials)
+      kinds%keeps = must_keep_energy(materials)
+      kinds%gases = all_gases(materials)
+      kinds%some_gas = any_gas(materials)
+      kinds%condensed = any_condensed(materials)
+   end function kinds_of
 
    !> Is a material without strength? Loose grains have strength.
    pure logical function is_fluid(material) result(yes)

@@ -61,7 +61,8 @@ contains
          unit="1/s", default="0 0 0")
       call schema%real("body", "temperature", "initial temperature; a solid or liquid has "// &
          "expanded since t_ref and has no pressure, a gas has the density of the material; "// &
-         "default: that of specific_energy, else t_ref", unit="K", range=">= 0", owner="effects.thermal")
+         "default: that of specific_energy, else t_ref", unit="K", range=">= 0", &
+         owner="effects.thermal")
       call schema%real("body", "specific_energy", &
          "initial internal energy per mass, for materials that have one", unit="J/kg", &
          default="0.0", range=">= 0")

@@ -7,7 +7,7 @@ module scene_method
    use ddmp_dual, only: surface_names
    use deck_reader, only: deck_t, group_t
    use deck_schema, only: changes_physics, schema_t
-   use material_kinds, only: matter_t
+   use material_kinds, only: kinds_t
    use scene_method_defaults, only: set_method_defaults
    use scene_dimension, only: is_dual
    use step_method, only: method_t, position_of, stress_after, stress_names
@@ -125,8 +125,8 @@ contains
       call schema%text("method", "viscosity_limiter", "part of the compression that artificial "// &
          "viscosity resists: smooth, the compression less the part that the surrounding node "// &
          "gradients predict, so that smoothly converging flow is not heated; none, all of it; "// &
-         "default: smooth with metals and other condensed material that has an internal energy, "// &
-         "and where stress_update is usavg by default and some material is not elastic", &
+         "default: smooth with metals and other condensed material that has an internal "// &
+         "energy, and where stress_update is usavg by default and some material is not elastic", &
          default="none", words="none smooth", &
          owner="effects.artificial_viscosity & run.method = ddmp")
       call schema%real("method", "heat_flux", &
@@ -135,16 +135,16 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine read_method(method, deck, matter)
+   subroutine read_method(method, deck, kinds)
       type(method_t), intent(inout) :: method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      type(matter_t), intent(in) :: matter           !! Kinds of the materials
+      type(kinds_t), intent(in) :: kinds           !! Kinds of the materials
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
       class(basis_t), allocatable :: functions
       logical :: linear
 
-      call set_method_defaults(deck, matter)
+      call set_method_defaults(deck, kinds)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)

@@ -7,7 +7,7 @@ module scene_method_defaults
    use deck_reader, only: deck_t, group_t
    use ddmp_catalogue, only: choose_quadrature
    use ddmp_quadrature, only: quadrature_t
-   use material_kinds, only: matter_t
+   use material_kinds, only: kinds_t
    use scene_cell, only: has_cell, set_cell_defaults
    use scene_dimension, only: is_axisymmetric, is_dual
    use step_method, only: stress_after, stress_average, stress_names, stress_remapped
@@ -22,36 +22,36 @@ contains
 
    !> Set the defaults of &method that depend on other keys and on the material, and refuse
    !! incompatible keys.
-   subroutine set_method_defaults(deck, matter)
+   subroutine set_method_defaults(deck, kinds)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      type(matter_t), intent(in) :: matter           !! Kinds of the materials
+      type(kinds_t), intent(in) :: kinds           !! Kinds of the materials
       logical :: averages, controls, axisymmetric, dual
 
       axisymmetric = is_axisymmetric(deck)
       dual = is_dual(deck)
       averages = .false.
-      if (matter%keeps) averages = may_average(deck)
+      if (kinds%keeps) averages = may_average(deck)
       controls = .false.
-      if (averages .and. matter%stored .and. .not. axisymmetric) then
+      if (averages .and. kinds%stored .and. .not. axisymmetric) then
          controls = may_control(deck)
          averages = controls
       end if
       if (averages) call set_average_defaults(deck, controls)
-      if (averages .and. .not. matter%stored) then
+      if (averages .and. .not. kinds%stored) then
          if (.not. requests_sums(deck%group("method", 1))) call set_viscosity(deck, 0.22_wp)
-      else if (matter%condensed .and. dual) then
+      else if (kinds%condensed .and. dual) then
          call set_viscosity(deck, 0.3_wp)
       end if
       call set_dependent_defaults(deck, averages)
       call set_cell_defaults(deck)
-      if (matter%stored .and. .not. averages) call set_contact_default(deck)
+      if (kinds%stored .and. .not. averages) call set_contact_default(deck)
       if (has_average(deck)) then
-         if (matter%stored .and. .not. axisymmetric) call set_elastic_defaults(deck)
+         if (kinds%stored .and. .not. axisymmetric) call set_elastic_defaults(deck)
          call set_axial_default(deck)
          call set_turn_default(deck)
       end if
       call check_normalise(deck)
-      if (matter%some_gas) call set_split_default(deck, matter%gases)
+      if (kinds%some_gas) call set_split_default(deck, kinds%gases)
    end subroutine set_method_defaults
 
    !> Solids and liquids without internal energy keep their energy with the strain of two
@@ -328,9 +328,9 @@ contains
          "no paper = .true.; write 'none' [D355]", "normalise")
    end subroutine check_normalise
 
-   !> Does the limiter of smooth flow replace normalised sums, unless the deck requests both? It does
-   !! where the deck gives it, and beside the strain of two velocities. Set for metals, it does not:
-   !! materials with normalised sums keep their own.
+   !> Does the limiter of smooth flow replace normalised sums, unless the deck requests both? It
+   !! does where the deck gives it, and beside the strain of two velocities. Set for metals, it
+   !! does not: materials with normalised sums keep their own.
    logical function limits_all(deck, averages) result(limits)
       type(deck_t), intent(in) :: deck
       logical, intent(in) :: averages                !! Is the strain that of two velocities?

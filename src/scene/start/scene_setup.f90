@@ -4,7 +4,7 @@
 module scene_setup
    use base_kinds, only: wp
    use deck_reader, only: deck_t, group_t
-   use material_kinds, only: matter_of
+   use material_kinds, only: kinds_of
    use material_record, only: read_record
    use particle_body, only: body_t
    use scene_absorbing, only: read_absorbing
@@ -46,7 +46,7 @@ contains
 
       call read_materials(deck, simulation)
       call read_method(simulation%scheme%method, deck, &
-         matter_of(simulation%materials))
+         kinds_of(simulation%materials))
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)

@@ -5,8 +5,8 @@ Would catch: components, units or fields that reach a library in another place; 
 of a library that is not sorted, sent to other ranks or stored in checkpoints; a library that only one rank has; plastic
 work that the program computes with a wrong sign or factor; a damage model that does not see the flow of a library.
 
-* Johnson-Cook as a library (input/laws/johnson_cook.c) makes the same operations as the built-in law: the same digest in
-  an impact with rates, temperatures and damage, for any ranks and threads and after a restart.
+* Johnson-Cook as a library (input/laws/johnson_cook.c) makes the same operations as the built-in law: the same digest
+  in an impact with rates, temperatures and damage, for any ranks and threads and after a restart.
 * input/laws/voce.c and voce.f90 have the same bits. In simple shear their stress follows the closed form to the error
   of steps of explicit hardening, half an increment of the exponent; the plastic work of a bar that flows balances its
   energy to the drift of the built-in law of von Mises, which integrates the same mean of stresses.
