@@ -52,15 +52,19 @@ contains
       type(limits_t), intent(in) :: limits               !! End of the run
       real(wp) :: wave, largest, bulk, pressure
       type(group_t) :: load
-      integer :: n
-      logical :: plausible
+      integer :: n, place
+      logical :: plausible, checked(deck%count("material"))
 
+      checked = .false.
       largest = 0.0_wp
       bulk = 0.0_wp
       plausible = .true.
       do n = 1, size(simulation%materials)
-         call check_stresses(schema, deck, deck%group("material", n), simulation%materials(n), &
-            plausible)
+         ! with contact a material has a store for each of its velocity fields
+         place = deck%named("material", simulation%materials(n)%name)
+         if (.not. checked(place)) call check_stresses(schema, deck, deck%group("material", &
+            place), simulation%materials(n), plausible)
+         checked(place) = .true.
          bulk = max(bulk, simulation%materials(n)%bulk)
          if (.not. is_gas(simulation%materials(n))) &
             largest = max(largest, simulation%materials(n)%reference_speed())

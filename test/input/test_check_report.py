@@ -168,6 +168,19 @@ def test_wrong_units(options, name):
     assert re.match(rf".*{name}\.nml:\d+: (error|warning): &", lines[0])
 
 
+def test_materials_in_contact(options):
+    """Would catch a material that is compared with the bulk modulus of another one where contact gives materials a
+    store for each velocity field."""
+    deck = PLAIN.format(units="", t_end="1e-3", material="density = 1100  young = 2e6  poisson = 0.4", body="", more="""
+&effects contact = .true. /
+&material name = 'soil'  density = 1700  bulk = 1.2e8  shear = 7.7e7 /
+&region name = 'bed'  shape = 'box'  lo = 0 0 0  hi = 1 1 0.2 /
+&body name = 'two'  region = 'bed'  material = 'metal' /""")
+    deck = deck.replace("'one'  region = 'solid'  material = 'metal'", "'one'  region = 'solid'  material = 'soil'")
+    said = case.Case(options, "contact", deck).run("--check", "--no-estimate").output
+    assert "[D508]" not in said, said
+
+
 def test_a_warning_is_in_the_log(options):
     """Would catch a warning of `--check` that the run does not repeat."""
     made = case.Case(options, "log", PLAIN.format(units="", t_end="1e-9", material=ELASTIC, body="", more=""))
