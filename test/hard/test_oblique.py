@@ -16,11 +16,11 @@ with slower material. Its angle is a known miss of 14 degrees, held at 22.5: hal
 fastest jet in the frame of the point of contact, which is only smaller in the frame at rest. The jet consists of
 material from the surfaces: one layer of particles of the ball where it is inclined by more than 45 degrees to the side
 ahead, and as much of the sheet, are 1.3 % of all. All of it is at least as fast along the sheet as the ball was. After
-4 us the jet has left and nothing is faster than the impact: a known miss of 0.3 %, held at 10 %.
+4 us the jet has left and nothing is faster than the impact.
 
 Mirror images do not have the same bits, because the nodes of a cell are added in a fixed order of positions; rounding
 errors grow in debris. After 20 steps, when the shock propagates, they agree to 1e-11: rounding that grew by a factor of
-10 in 5 steps. The cloud is coarse, 3 cells through the sheet: only its balances and its fastest particles are checked.
+10 in 5 steps. Velocities miss it, a known miss held at 1e-10: the limiter of the viscosity takes least values. The cloud is coarse, 3 cells through the sheet: only its balances and its fastest particles are checked.
 """
 # tiers: smoke, full
 # timeout: 120
@@ -79,7 +79,7 @@ def test_image(options, sheet):
     sheet.require(run.summary["steps"] == 20 and len(first) > 3000, "image: runs")
     sheet.require(np.abs(one[-1].fields["stress"]).max() > 1.0e9, "image: there is a shock")
     sheet.below("image, 20 steps: places [sheet]", np.abs(mine[0] - theirs[0]).max() / 3e-3, 1.0e-11)
-    sheet.below("image, 20 steps: velocity", np.abs(mine[1] - theirs[1]).max() / 7000.0, 1.0e-11)
+    sheet.known("image, 20 steps: velocity", np.abs(mine[1] - theirs[1]).max() / 7000.0, limit=1.0e-10, target=1.0e-11)
 
 
 @pytest.mark.parametrize("name, speed", [
@@ -115,10 +115,7 @@ def test_late(options, sheet, name, speed):
         sheet.above(f"{name}: least angle of the jet with the sheet [degree]", angle, 10.0)
         sheet.known(f"{name}: angle of the jet with the sheet [degree]", angle, limit=22.5, target=14.0)
     late = max(fastest[6:])
-    if name == "oblique":
-        sheet.known(f"{name}: the same after the impact, 4 us", late, limit=1.1, target=1.0)
-    else:
-        sheet.below(f"{name}: the same after the impact, 4 us", late, 1.0)
+    sheet.below(f"{name}: the same after the impact, 4 us", late, 1.0)
     sheet.below(f"{name}: growth of it from then on", max(
         after / before for before, after in zip(fastest[6:], fastest[7:])), 1.001)
     sheet.below(f"{name}: momentum", ledger["momentum_error"], 1.0e-12)

@@ -66,16 +66,18 @@ contains
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary          !! One boundary
       character(len=:), allocatable :: dimension
-      logical :: active(3), free
+      logical :: active(3), free, given, here
       real(wp) :: spin(3)
       integer :: n
 
-      if (.not. any([(boundary%given(trim(keys(n))), n=1, size(keys))])) return
+      ! an echo gives defaults too
+      if (.not. any([(deck%departs(boundary, trim(keys(n))), n=1, size(keys))])) return
+      here = boundary%given("region") .and. .not. boundary%given("face")
       do n = 1, size(keys)
-         if (boundary%given(trim(keys(n))) .and. (boundary%given("face") .or. .not. &
-            boundary%given("region"))) call deck%add_error(boundary, trim(keys(n))// &
-            " is a key of rigid regions; give region without face, or remove it [D369]", &
-            trim(keys(n)))
+         if (here) exit
+         if (deck%departs(boundary, trim(keys(n)))) call deck%add_error(boundary, &
+            trim(keys(n))//" is a key of rigid regions; give region without face, or remove "// &
+            "it [D369]", trim(keys(n)))
       end do
       free = boundary%given("mass") .or. boundary%given("density")
       if (boundary%given("mass") .and. boundary%given("density")) call deck%add_error(boundary, &
@@ -84,15 +86,18 @@ contains
          call deck%add_error(boundary, "the inertia of a region that forces move belongs to a "// &
          "centre: give mass, inertia and centre together, or remove inertia and centre [D370]", &
          "inertia")
-      if (boundary%given("lock") .and. .not. free) call deck%add_error(boundary, &
+      given = deck%departs(boundary, "lock")
+      if (given .and. .not. free) call deck%add_error(boundary, &
          "forces move only a region with mass or density; give one of them, or remove lock "// &
          "[D370]", "lock")
-      if (boundary%given("t_on")) call deck%add_error(boundary, "a region that turns, or that "// &
-         "forces move, acts from the start; remove t_on [D371]", "t_on")
-      if (free .and. boundary%given("table")) call deck%add_error(boundary, "a region that "// &
-         "forces move follows no table; remove table, or mass and density [D371]", "table")
-      if (free .and. boundary%given("t_off")) call deck%add_error(boundary, "a region that "// &
-         "forces move acts until the end; remove t_off [D371]", "t_off")
+      if (deck%departs(boundary, "t_on")) call deck%add_error(boundary, "a region that turns, "// &
+         "or that forces move, acts from the start; remove t_on [D371]", "t_on")
+      given = deck%departs(boundary, "table")
+      if (free .and. given) call deck%add_error(boundary, "a region that forces move follows "// &
+         "no table; remove table, or mass and density [D371]", "table")
+      given = deck%departs(boundary, "t_off")
+      if (free .and. given) call deck%add_error(boundary, "a region that forces move acts "// &
+         "until the end; remove t_off [D371]", "t_off")
       if (.not. (boundary%given("spin") .and. boundary%known("spin"))) return
       call read_dimension(deck, dimension, active)
       call boundary%get("spin", spin)
