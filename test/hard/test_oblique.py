@@ -20,7 +20,8 @@ ahead, and as much of the sheet, are 1.3 % of all. All of it is at least as fast
 
 Mirror images do not have the same bits, because the nodes of a cell are added in a fixed order of positions; rounding
 errors grow in debris. After 20 steps, when the shock propagates, they agree to 1e-11: rounding that grew by a factor of
-10 in 5 steps. Velocities miss it, a known miss held at 1e-10: the limiter of the viscosity takes least values. The cloud is coarse, 3 cells through the sheet: only its balances and its fastest particles are checked.
+10 in 5 steps. Velocities miss it, a known miss held at 1e-10: the limiter of the viscosity takes least values. The
+cloud is coarse, 3 cells through the sheet: only its balances and its fastest particles are checked.
 """
 # tiers: smoke, full
 # timeout: 120

@@ -9,8 +9,8 @@ Closed solutions: Rankine-Hugoniot with Us = c0 + s up, gamma rho constant, and 
 elastic-plastic solid, computed here from the constants of the material.
 Limits: plateau pressure 1 %, density 0.3 %, shock speed 1 %, velocity of the free end 1.1 % at 400 m/s, the effect of
 the waves of a linear method there, and 1e-4 at 3350 m/s, where no signal can reach it. Solid: elastic limit 2 %,
-plastic stress 0.5 %, density 0.3 %, speeds 1 %, with bulk_q1 = 0.5. Energy and momentum: rounding. The plain method, where
-particles oscillate behind all shocks, misses some of these: known misses, held at 5 %.
+plastic stress 0.5 %, density 0.3 %, speeds 1 %, with bulk_q1 = 0.5 and by default. Energy and momentum: rounding.
+The plain method, where particles oscillate behind all shocks, misses some of these: known misses, held at 5 %.
 """
 # tiers: smoke, full
 # timeout: 120
