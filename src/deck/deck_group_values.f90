@@ -29,7 +29,6 @@ module deck_group_values
       !> All values of a key with a variable number of them; an array of size 0 if it has none.
       generic :: list => list_numbers, list_integers, list_texts
       procedure :: given => group_given                  !! Is the key given in the deck?
-      procedure :: written => group_written              !! Is it given, and not by a preset?
       procedure :: known => group_known                  !! Has the key a value, given or default?
       procedure :: valid => group_valid                  !! Are these keys without an error?
       procedure :: count => group_count                  !! Number of values of a key
@@ -63,16 +62,6 @@ contains
       given = place > 0
       if (given) given = self%values(place)%given
    end function group_given
-
-   !> True if a key is given in the deck itself or on the command line. What a preset gives and the
-   !! models of the deck do not need is no mistake of the deck.
-   pure logical function group_written(self, key) result(written)
-      class(group_t), intent(in) :: self
-      character(len=*), intent(in) :: key
-
-      written = self%given(key)
-      if (written) written = .not. self%values(self%find(key))%preset
-   end function group_written
 
    !> True if a key has a value, given or default.
    pure logical function group_known(self, key) result(known)

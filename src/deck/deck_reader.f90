@@ -42,6 +42,7 @@ module deck_reader
       procedure :: count => deck_count                   !! Number of groups of a kind
       procedure :: group => deck_group                   !! One group
       procedure :: departs => deck_departs               !! Is a key given, and not its default?
+      procedure :: take_back => deck_take_back           !! Remove a value that a preset gives
       procedure :: unit => deck_unit                     !! Unit of SI of a key
       procedure :: named => deck_named                   !! Index of the group with a given name
       !> Record an error or a warning about a group, at the line of a key if it is given.
@@ -375,6 +376,23 @@ contains
          end do
       end associate
    end function deck_departs
+
+   !> Remove the value of a key that a preset gives and the models of the deck do not need. It is no
+   !! mistake of the deck, and the echo does not give it.
+   subroutine deck_take_back(self, group, key)
+      class(deck_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group              !! One group of the deck, changed too
+      character(len=*), intent(in) :: key
+      character(len=:), allocatable :: problem
+      integer :: rule, k
+
+      k = group%find(key)
+      if (k == 0) return
+      if (.not. group%values(k)%preset) return
+      rule = self%schema%find(group%group)
+      call read_default(self%schema%groups(rule)%keys(k), group%values(k), problem)
+      self%groups(self%locate(group%group, group%place))%values(k) = group%values(k)
+   end subroutine deck_take_back
 
    !> Indices of a group and a key of a certain kind; 0 if there is no such key.
    pure function deck_slot(self, name, place, key, kind) result(slot)

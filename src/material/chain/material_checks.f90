@@ -20,7 +20,7 @@ contains
    !> Report all errors of a material whose models are chosen.
    subroutine check_material(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models, not read yet
-      type(group_t), intent(in) :: group             !! Group &material
+      type(group_t), intent(inout) :: group          !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
 
@@ -39,17 +39,18 @@ contains
    !> Check that the moduli are given by exactly one pair of keys, without unused ones.
    subroutine check_moduli(material, group, deck)
       class(models_t), intent(in) :: material        !! Material whose models are chosen
-      type(group_t), intent(in) :: group             !! Group &material
+      type(group_t), intent(inout) :: group          !! Group &material
       type(deck_t), intent(inout) :: deck
       logical :: young, poisson, bulk, shear, derived, strong
 
+      derived = .false.
+      if (allocated(material%eos)) derived = material%eos%sets_bulk()
+      if (derived) call deck%take_back(group, "bulk")
       young = group%given("young")
       poisson = group%given("poisson")
       bulk = group%given("bulk")
       shear = group%given("shear")
       strong = material%has_shear()
-      derived = .false.
-      if (allocated(material%eos)) derived = material%eos%sets_bulk()
       if ((young .or. poisson) .and. (bulk .or. shear)) then
          call deck%add_error(group, "young/poisson and bulk/shear are both given; keep one "// &
             "pair [D307]")
@@ -59,7 +60,7 @@ contains
          "poisson must be set (above -1, below 0.5), as young is given [D302]", "young")
       if (poisson .and. .not. young) call deck%add_error(group, &
          "young must be set [Pa], as poisson is given [D302]", "poisson")
-      if (derived .and. group%written("bulk")) call deck%add_error(group, &
+      if (derived .and. bulk) call deck%add_error(group, &
          "bulk is not used, as the equation of state gives it; remove it [D349]", "bulk")
       if (shear .and. .not. strong) call deck%add_error(group, &
          "shear is not used by a material without strength; remove it [D349]", "shear")
@@ -160,7 +161,7 @@ contains
    !> Check that the failure model is compatible with the law and the effects.
    subroutine check_failure(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! Material whose models are chosen
-      type(group_t), intent(in) :: group             !! &material
+      type(group_t), intent(inout) :: group          !! &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: fault
@@ -188,7 +189,7 @@ contains
       if (group%given("weibull_m") .and. .not. (effects%size_scatter .or. weibull)) &
          call deck%add_error(group, "weibull_m needs &effects size_scatter = .true. [D306]", &
          "weibull_m")
-      if (group%given("spall_time")) call check_fading(material, group, deck)
+      call check_fading(material, group, deck)
       fault = failed_law_fault(group, allocated(material%damage) .or. group%given("spall"), &
          material%has_shear())
       if (len(fault) > 0) call deck%add_error(group, fault, "failed_as")
@@ -197,15 +198,18 @@ contains
    !> Tension that fades needs a strength, and an internal energy that takes up its work.
    subroutine check_fading(material, group, deck)
       class(models_t), intent(in) :: material        !! Material whose models are chosen
-      type(group_t), intent(in) :: group             !! &material
+      type(group_t), intent(inout) :: group          !! &material, changed if a preset gives it
       type(deck_t), intent(inout) :: deck
+      logical :: stores
 
+      stores = material%carries_energy()
+      if (.not. stores) call deck%take_back(group, "spall_time")
+      if (.not. group%given("spall_time")) return
       if (.not. group%given("spall")) call deck%add_error(group, "spall_time needs spall, the "// &
          "tension that fades [D364]", "spall_time")
-      if (group%written("spall_time") .and. .not. material%carries_energy()) &
-         call deck%add_error(group, "spall_time needs an eos_model with an internal energy, "// &
-         "which takes up the work of the tension; remove spall_time, or choose such an "// &
-         "eos_model [D364]", "spall_time")
+      if (.not. stores) call deck%add_error(group, "spall_time needs an eos_model with an "// &
+         "internal energy, which takes up the work of the tension; remove spall_time, or "// &
+         "choose such an eos_model [D364]", "spall_time")
    end subroutine check_fading
 
    !> A law that gives the whole stress excludes other models.

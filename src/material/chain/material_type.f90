@@ -170,7 +170,6 @@ contains
       type(effects_t), intent(in) :: effects
       type(group_t), intent(in) :: run_group         !! &run
       integer :: seed
-      logical :: fades
 
       if (allocated(material%damage)) then
          material%damage%shear = material%shear
@@ -192,9 +191,7 @@ contains
       end if
       if (.not. (allocated(material%damage) .or. group%given("spall"))) return
       allocate (material%failure%fracture)
-      fades = group%given("spall_time")
-      if (fades) fades = material%carries_energy()
-      if (fades) then
+      if (group%given("spall_time")) then
          allocate (material%failure%fade)
          call group%get("spall", material%failure%fade%strength)
          call group%get("spall_time", material%failure%fade%time)
