@@ -171,8 +171,9 @@ def test_wrong_units(options, name):
 def test_preset_with_another_equation(options):
     """Would catch a value of a preset that another eos_model does not use and that is an error of the deck, or of its
     echo: the bulk modulus of granite, and the time of spall of copper, which needs an internal energy."""
-    tillotson = ("preset = 'granite'  eos_model = 'tillotson'  till_a = 0.5  till_b = 1.3  till_bulk = 18e9\n"
-                 "  till_square = 18e9  till_e0 = 16e6  till_eiv = 3.5e6  till_ecv = 18e6  till_alpha = 5  till_beta = 5")
+    tillotson = ("preset = 'granite'  eos_model = 'tillotson'  till_a = 0.5  till_b = 1.3  till_bulk = 18e9"
+                 "  till_square = 18e9\n  till_e0 = 16e6  till_eiv = 3.5e6  till_ecv = 18e6"
+                 "  till_alpha = 5  till_beta = 5")
     linear = "preset = 'cu_ofhc'  eos_model = 'linear'  bulk = 140e9"
     for name, material in (("granite", tillotson), ("copper", linear)):
         deck = PLAIN.format(units="", t_end="1e-2  max_steps = 2", material=material, body="",
