@@ -132,9 +132,12 @@ contains
          if (.not. moved > 0.0_wp) return
          call set_burn_clock(simulation%materials, clock%time + merge(0.0_wp, dt, method%leapfrog))
       end associate
+      ! particles at a crack use the nodes of both of its sides
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))
          call move_nodes(simulation, simulation%fields(n)%nodes, 0.0_wp)
+      end do
+      do n = 1, size(simulation%fields)
          call give_to_particles(simulation, simulation%fields(n), gather_parts_t(strain=.true.), &
             moved)
       end do

@@ -175,8 +175,12 @@ def test_same_bytes(slope, options, sheet):
 
 @pytest.mark.parametrize("method", ["", "transfer='flip'  stress_update='usf'"])
 def test_three(options, sheet, method):
-    """Three bodies in contact, one with itself."""
-    run = case.Case(options, "three", THREE.format(method="stress_update='usl'" if not method else method)).run("-q")
+    """Three bodies in contact, one with itself. Other tiles of two ranks would show a crack whose particles are
+    strained with nodes of its second side that are those of the step before."""
+    deck = THREE.format(method="stress_update='usl'" if not method else method)
+    run = case.Case(options, "three", deck).run("-q")
+    sheet.require(case.Case(options, "three_ranks", deck, ranks=2).run("-q").summary["digest"]
+                  == run.summary["digest"], "the same digest on two ranks")
     forces, history = table(run, "forces"), {name: table(run, f"{name}_history") for name in "abc"}
     sheet.require(history["c"]["failed_mass"][-1] > 0.0, "material of c has failed")
     scale = max(abs(value).max() for name, value in forces.items() if "impulse" in name)
