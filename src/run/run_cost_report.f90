@@ -329,8 +329,8 @@ contains
          end if
          needs%rigid = allocated(space%rigid)
          if (allocated(scheme%normalises)) then
-            needs%counted = counted_columns(scheme, simulation%stores)
-            needs%normal = normal_columns(scheme, simulation%stores)
+            needs%counted = counted_columns(scheme)
+            needs%normal = normal_columns
          end if
       end associate
    end function node_needs

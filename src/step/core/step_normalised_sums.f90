@@ -23,14 +23,12 @@ module step_normalised_sums
    use step_ledger, only: ledger_t
    use step_node_fields, only: empty_mass, nodes_t, normalised_nodes_t
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_pressure_relaxation, only: relaxes_pressure
    use step_simulation, only: clock_t, machine_t, scheme_t, scratch_t, space_t, velocity_field_t
    use step_tile_cost, only: start_cost, stop_cost
    use step_walls, only: start_walls
    use transfer_cut_cells, only: cut_cells, ramp
    use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals, edges
    use transfer_hoop, only: add_hoop_sums, hoop_edges
-   use transfer_moments, only: add_moments, divide_moments, moments
    use transfer_scatter, only: scatter_values
    implicit none
    private
@@ -40,7 +38,7 @@ module step_normalised_sums
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! materials without normalised sums
    integer, parameter :: mass = 1, volume = 2, unblended = 2, foreign = 6
-   integer, parameter :: rows = 7                    !! Columns of node stress, and moments - 1
+   integer, parameter :: normal_columns = 7          !! Columns of node stress
    real(wp), parameter :: least = 0.02_wp            !! Smallest factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Largest factor [1]
    !> Bound on the mean of the factors of a direction. A few particles that represent a whole cell
@@ -80,37 +78,12 @@ contains
       end associate
    end subroutine choose_normalised
 
-   !> Columns of the sums before the moments of pressure.
-   pure integer function plain_columns(scheme) result(columns)
+   !> Columns of the sums.
+   pure integer function counted_columns(scheme) result(columns)
       type(scheme_t), intent(in) :: scheme
 
       columns = merge(foreign - 1, foreign, all(scheme%normalises))
-   end function plain_columns
-
-   !> Columns of the sums, with the moments of pressure where some material needs them.
-   pure integer function counted_columns(scheme, stores) result(columns)
-      type(scheme_t), intent(in) :: scheme
-      type(store_t), intent(in) :: stores(:)
-
-      columns = plain_columns(scheme) + merge(moments, 0, relaxes_any(scheme, stores))
    end function counted_columns
-
-   !> Columns of the factors of nodes, with the slopes of pressure where some material needs them.
-   pure integer function normal_columns(scheme, stores) result(columns)
-      type(scheme_t), intent(in) :: scheme
-      type(store_t), intent(in) :: stores(:)
-
-      columns = rows + merge(moments - 1, 0, relaxes_any(scheme, stores))
-   end function normal_columns
-
-   !> Are the pressures of some material relaxed?
-   pure logical function relaxes_any(scheme, stores) result(yes)
-      type(scheme_t), intent(in) :: scheme
-      type(store_t), intent(in) :: stores(:)
-      integer :: index
-
-      yes = any([(relaxes_pressure(scheme, stores, index), index=1, size(stores))])
-   end function relaxes_any
 
    !> Factors of all edges and nodes for the current particles.
    subroutine find_edge_factors(space, stores, scheme, clock, ledger, machine, scratches, field)
@@ -128,7 +101,7 @@ contains
       associate (nodes => field%nodes, number => space%grid%tile_nodes, own => space%tiles%own, &
          all => space%tiles%all)
          call machine%timer%start(machine%phase%scatter)
-         call ensure_patch(nodes%sums%counted, counted_columns(scheme, stores), number, own)
+         call ensure_patch(nodes%sums%counted, counted_columns(scheme), number, own)
          call ensure_patch(nodes%sums%factor, cell_edges, space%grid%tile_cells, own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
@@ -152,7 +125,7 @@ contains
          call ensure_weights(nodes%dual%weight, space%grid%tile_cells, all)
          call ensure_patch(nodes%sums%covered, 1, number, all)
          if (allocated(space%rigid)) call ensure_patch(nodes%sums%present, 1, number, all)
-         call ensure_patch(nodes%sums%normal, normal_columns(scheme, stores), number, all)
+         call ensure_patch(nodes%sums%normal, normal_columns, number, all)
          !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
          !$omp schedule(static)
          do tile = 1, space%tiles%all
@@ -238,8 +211,6 @@ contains
                store%state%volume, sums)
             if (grid%axisymmetric) call add_hoop_sums(grid, start, first, shape%local, &
                store%position, store%state%volume, sums)
-            if (relaxes_pressure(scheme, stores, index)) call add_moments(grid, start, first, &
-               shape%local, store%state%volume, store%state%stress, plain_columns(scheme), patch)
          end associate
       end do
    end subroutine count_tile
@@ -268,8 +239,6 @@ contains
          filled(mass, :) = around
          nodes%sums%normal(5, :, tile) = 1.0_wp
          own = 1.0_wp
-         if (size(nodes%sums%normal, 1) > rows) call divide_moments(sums(plain_columns(scheme) &
-            + 1:, :), nodes%sums%normal(rows + 1:, :, tile))
          if (.not. all(scheme%normalises)) then
             nodes%sums%normal(5, :, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, :) &
                /max(sums(volume, :), empty_mass))

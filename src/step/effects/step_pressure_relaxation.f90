@@ -1,42 +1,35 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Relaxes pressure differences between the particles of a cell that nodes do not resolve.
 !!
-!! With normalised sums the total volume of a closed box is right, but each particle is strained by
-!! more or less than the mean of its neighbours, depending on its position. Nodes do not resolve
-!! differences between particles of a cell beyond a slope, so nothing restores them. In material
-!! without strength, waves would do so within the time that a signal needs for a cell: particles of
-!! higher pressure expand against those of lower pressure, with the same sums of volume and energy.
-!! Entropy can only grow by this, and a linear pressure field does not change. Equations (Q.11) and
-!! (Q.12) of doc/theory/quadratures.md.
+!! Particles that cross a shock at different places of their cell, or that normalised sums strain by
+!! more or less than their neighbours, have different pressures. Nodes do not resolve differences
+!! between particles of a cell beyond a slope, so nothing restores them. Waves would do so within
+!! the time that a signal needs for a cell: particles of higher pressure expand against those of
+!! lower pressure, with the same sums of volume and energy. Entropy can only grow by this, and a
+!! linear pressure field does not change. Equations (Q.10) to (Q.12) of doc/theory/quadratures.md.
 module step_pressure_relaxation
    use base_elementary, only: exponential
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use step_node_fields, only: normalised_nodes_t
+   use step_method, only: method_t
    use step_simulation, only: scheme_t
-   use transfer_moments, only: cell_slope, moments
    implicit none
    private
 
    public :: relaxes_pressure, has_normalised_sums, relax_pressures
 
    real(wp), parameter :: most = 0.05_wp             !! Relative change in a step [1]
-   !> Fraction of a difference that decays in the time that a signal needs for a cell [1]
-   real(wp), parameter :: pace = 0.2_wp
 
 contains
 
-   !> Are the pressures of the particles of a material in a cell relaxed? They are if it is without
-   !! strength, carries energy and has normalised sums.
-   pure logical function relaxes_pressure(scheme, stores, index) result(yes)
-      type(scheme_t), intent(in) :: scheme
-      type(store_t), intent(in) :: stores(:)
-      integer, intent(in) :: index                   !! Index of the material and of its store
+   !> Are the pressures of the particles of a material in a cell relaxed? They are if it carries
+   !! energy, which takes up what the relaxation dissipates. The method of the paper has none.
+   pure logical function relaxes_pressure(method, store) result(yes)
+      type(method_t), intent(in) :: method
+      type(store_t), intent(in) :: store
 
-      yes = .false.
-      if (.not. allocated(scheme%flows)) return
-      yes = scheme%flows(index) .and. allocated(stores(index)%state%energy)
+      yes = method%dual .and. method%leapfrog .and. allocated(store%state%energy)
    end function relaxes_pressure
 
    !> Are the sums of a material normalised?
@@ -48,34 +41,37 @@ contains
       if (allocated(scheme%normalises)) yes = scheme%normalises(index)
    end function has_normalised_sums
 
-   !> Relax the pressures of the particles of a material in a tile towards the mean of their cell
-   !! and the slope of the node values.
-   subroutine relax_pressures(grid, stores, scheme, normalised, index, tile, local, speed, dt)
+   !> Relax the pressures of the particles of a tile towards the mean of their cell and the slope
+   !! that accelerates its nodes.
+   subroutine relax_pressures(grid, store, tile, local, speed, acceleration, dt, gravity)
       type(grid_t), intent(in) :: grid
-      type(store_t), intent(inout) :: stores(:)
-      type(scheme_t), intent(in) :: scheme
-      type(normalised_nodes_t), intent(in) :: normalised
-      integer, intent(in) :: index                   !! Index of the material and of its store
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Wave speed [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in), optional :: gravity(:)   !! (3) Part that no stress makes [m/s2]
       real(wp) :: slope(3)
-      integer :: cell, before, low, high, seen
+      integer :: cell, before, low, high, lane, lanes
 
-      if (.not. relaxes_pressure(scheme, stores, index)) return
-      associate (store => stores(index), normal => normalised%normal)
-         before = store%first(tile) - 1
-         seen = size(normal, 1) - moments + 2
-         do cell = 0, grid%tile_cells - 1
-            low = store%cell_start(cell, tile) + 1
-            high = store%cell_start(cell + 1, tile)
-            if (high <= low) cycle
-            slope = cell_slope(grid, grid%first_node(cell), normal(seen:, :, tile))
-            call relax_cell(before, low, high, local, speed, slope, pace*dt/grid%spacing, &
-               store%state%mass, store%state%volume, store%state%energy, store%state%stress)
+      before = store%first(tile) - 1
+      lanes = 2**grid%dimensions
+      do cell = 0, grid%tile_cells - 1
+         low = store%cell_start(cell, tile) + 1
+         high = store%cell_start(cell + 1, tile)
+         if (high <= low) cycle
+         slope = 0.0_wp
+         do lane = 1, lanes
+            slope = slope - acceleration(:, grid%first_node(cell) + grid%lane_offset(lane))
          end do
-      end associate
+         slope = slope/lanes
+         if (present(gravity)) slope = slope + gravity
+         slope = slope*grid%spacing*sum(store%state%mass(before + low:before + high)) &
+            /sum(store%state%volume(before + low:before + high))
+         call relax_cell(before, low, high, local, speed, slope, dt/grid%spacing, &
+            store%state%mass, store%state%volume, store%state%energy, store%state%stress)
+      end do
    end subroutine relax_pressures
 
    !> The particles of one cell.
@@ -86,8 +82,8 @@ contains
       integer, intent(in) :: high                    !! Last index
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Wave speed [m/s]
-      real(wp), intent(in) :: slope(3)               !! Slope of the nodal pressure, per cell [Pa]
-      real(wp), intent(in) :: rate                   !! Fraction of a step over that speed [s/m]
+      real(wp), intent(in) :: slope(3)               !! Slope of the pressure, per cell [Pa]
+      real(wp), intent(in) :: rate                   !! Time step over the cell [s/m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
       real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]
@@ -116,11 +112,11 @@ contains
       share = 1.0_wp - exponential(-rate*maxval(speed(low:high)))
       steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
       ! expansion work comes from the energy of the particle, which is small in thin gas near a
-      ! shock
+      ! shock; the energy of condensed material has no natural zero, and c**2 is greater
       do p = low, high
          q = before + p
          if (excess(p)*mean > 0.0_wp) steepest = max(steepest, soft(p)*excess(p)*mean &
-            /(mass(q)*max(energy(q), tiny(mean))))
+            /(mass(q)*max(energy(q), speed(p)**2)))
       end do
       if (share*steepest > most) share = most/steepest
       do p = low, high
