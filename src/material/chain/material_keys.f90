@@ -29,9 +29,9 @@ contains
          range=">= 0")
       call schema%group("method", "numerical method")
       call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity; "// &
-         "default: 0.3 with metals and other condensed material that has an internal energy, "// &
-         "0.22 with solids that break and liquids without one, both with viscosity_limiter = "// &
-         "'smooth', else 0.06", default="0.06", &
+         "default: 0.7 with metals and other condensed material that has an internal energy, "// &
+         "0.22 with solids that break and liquids without one, both with a "// &
+         "viscosity_limiter, else 0.06", default="0.06", &
          range=">= 0", owner="effects.artificial_viscosity")
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
@@ -47,6 +47,9 @@ contains
       call schema%preset("material", grains)
       call schema%preset("material", stones)
       call schema%preset("material", explosives)
+      call schema%real("material", "bulk_q1", "linear coefficient of artificial viscosity in "// &
+         "this material, instead of that of &method; default: 0.06 in gases and explosives "// &
+         "beside condensed material", range=">= 0", owner="effects.artificial_viscosity")
       call declare_elasticity(schema)
       call declare_heat(schema)
       call declare_models(schema)

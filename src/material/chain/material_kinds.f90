@@ -14,8 +14,10 @@ module material_kinds
       logical :: stored = .false.                    !! All materials store work reversibly
       logical :: keeps = .false.                     !! The method must keep their energy
       logical :: gases = .false.                     !! All material is a gas
-      logical :: some_gas = .false.                  !! Some is a gas or an explosive
+      logical, allocatable :: gas(:)                 !! (material) Is it a gas or an explosive?
       logical :: condensed = .false.                 !! Some that is no gas has an internal energy
+   contains
+      procedure :: some_gas => kinds_some_gas        !! Is some material a gas or an explosive?
    end type kinds_t
 
    !> Poisson's ratio from which on particles keep their volume, so that few cells lock [1]
@@ -27,13 +29,22 @@ contains
    pure function kinds_of(materials) result(kinds)
       type(material_t), intent(in) :: materials(:)   !! Materials of the deck
       type(kinds_t) :: kinds
+      integer :: index
 
       kinds%stored = stores_work(materials)
       kinds%keeps = must_keep_energy(materials)
       kinds%gases = all_gases(materials)
-      kinds%some_gas = any_gas(materials)
+      allocate (kinds%gas, source=[(is_gas(materials(index)), index=1, size(materials))])
       kinds%condensed = any_condensed(materials)
    end function kinds_of
+
+   !> Is some material a gas or an explosive?
+   pure logical function kinds_some_gas(self) result(yes)
+      class(kinds_t), intent(in) :: self
+
+      yes = .false.
+      if (allocated(self%gas)) yes = any(self%gas)
+   end function kinds_some_gas
 
    !> Is a material without strength? Loose grains have strength.
    pure logical function is_fluid(material) result(yes)
@@ -82,14 +93,6 @@ contains
       yes = size(materials) > 0 .and. all([(is_gas(materials(index)) .and. .not. &
          allocated(materials(index)%burn), index=1, size(materials))])
    end function all_gases
-
-   !> True if some material is a gas, or an explosive whose products are one.
-   pure logical function any_gas(materials) result(yes)
-      type(material_t), intent(in) :: materials(:)   !! Materials of the deck
-      integer :: index
-
-      yes = any([(is_gas(materials(index)), index=1, size(materials))])
-   end function any_gas
 
    !> True if some material has an internal energy and is no gas: metals, and rocks and liquids at
    !! high pressure.

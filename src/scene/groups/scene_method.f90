@@ -13,6 +13,7 @@ module scene_method
    use step_method, only: method_t, position_of, stress_after, stress_names
    use transfer_basis, only: basis_t
    use transfer_catalogue, only: basis_names, choose_basis, choose_velocity, velocity_names
+   use transfer_shock_compression, only: monotone
    use transfer_velocity, only: velocity_t
    implicit none
    private
@@ -64,8 +65,8 @@ contains
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "divide sums over particles by the sums of their "// &
-         "weights, so that uniform pressure exerts no force: gases, in material without "// &
-         "strength that has an internal energy; fluids, in all material without strength; "// &
+         "weights, so that uniform pressure exerts no force: gases, in gases and explosives; "// &
+         "fluids, in all material without strength; "// &
          "none; all; default: none where the quadrature of the dual gradient forbids it", &
          words="gases fluids none all", default="gases", owner="run.method = ddmp")
       call declare_strain(schema, turning)
@@ -124,10 +125,11 @@ contains
 
       call schema%text("method", "viscosity_limiter", "part of the compression that artificial "// &
          "viscosity resists: smooth, the compression less the part that the surrounding node "// &
-         "gradients predict, so that smoothly converging flow is not heated; none, all of it; "// &
-         "default: smooth with metals and other condensed material that has an internal "// &
-         "energy, and where stress_update is usavg by default and some material is not elastic", &
-         default="none", words="none smooth", &
+         "gradients predict, so that smoothly converging flow is not heated; monotone, less of "// &
+         "slopes that change evenly; none, all of it; default: monotone with metals and other "// &
+         "condensed material that has an internal energy, smooth where stress_update is usavg "// &
+         "by default and some material is not elastic", &
+         default="none", words="none smooth monotone", &
          owner="effects.artificial_viscosity & run.method = ddmp")
       call schema%real("method", "heat_flux", &
          "coefficient of an artificial heat flux in shocks, about 2, against wall heating", &
@@ -177,7 +179,8 @@ contains
       method%even = word == "bbar"
       call group%get("heat_flux", method%heat_flux)
       call group%get("viscosity_limiter", word)
-      method%limited = method%dual .and. word == "smooth"
+      method%limited = method%dual .and. word /= "none"
+      if (word == "monotone") method%slack = monotone
       call read_splitting(method, group)
    end subroutine read_method
 

@@ -18,6 +18,8 @@ module scene_method_defaults
 
    public :: set_method_defaults
 
+   real(wp), parameter :: weak = 0.06_wp             !! Linear viscosity in gases [1]
+
 contains
 
    !> Set the defaults of &method that depend on other keys and on the material, and refuse
@@ -38,9 +40,10 @@ contains
       end if
       if (averages) call set_average_defaults(deck, controls)
       if (averages .and. .not. kinds%stored) then
-         if (.not. requests_sums(deck%group("method", 1))) call set_viscosity(deck, 0.22_wp)
+         if (.not. requests_sums(deck%group("method", 1))) call set_viscosity(deck, 0.22_wp, &
+            "smooth", kinds)
       else if (kinds%condensed .and. dual) then
-         call set_viscosity(deck, 0.3_wp)
+         call set_viscosity(deck, 0.7_wp, "monotone", kinds)
       end if
       call set_dependent_defaults(deck, averages)
       call set_cell_defaults(deck)
@@ -51,7 +54,7 @@ contains
          call set_turn_default(deck)
       end if
       call check_normalise(deck)
-      if (kinds%some_gas) call set_split_default(deck, kinds%gases)
+      if (kinds%some_gas()) call set_split_default(deck, kinds%gases)
    end subroutine set_method_defaults
 
    !> Solids and liquids without internal energy keep their energy with the strain of two
@@ -73,14 +76,19 @@ contains
          call deck%set_default("method", 1, "quadrature", "control")
    end subroutine set_average_defaults
 
-   !> Weak shocks overshoot and ring: their jump is small beside the speed of sound, so that the
-   !! quadratic viscosity does not reach, and the strain of two velocities does not damp. A linear
-   !! viscosity that resists jumps alone does, and damps smooth waves no more than a weak one that
-   !! resists all compression. Metals, whose heat takes up its work, get more of it. Materials with
-   !! normalised sums have a limiter of their own. doc/theory/viscosity.md
-   subroutine set_viscosity(deck, linear)
+   !> Shocks overshoot and ring if the linear viscosity is weak: the quadratic one does not reach
+   !! weak shocks, and the strain of two velocities does not damp. A strong linear viscosity that
+   !! resists jumps alone prevents this, and damps smooth waves less than a weak one that resists
+   !! all compression. Condensed material with an internal energy, which takes up its work, gets
+   !! more of it, with a limiter that resists less of smooth waves; where the strain is that of two
+   !! velocities that limiter lets weak shocks ring. Gases have strong shocks, and normalised sums
+   !! with a limiter of their own. doc/theory/viscosity.md
+   subroutine set_viscosity(deck, linear, limiter, kinds)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the defaults
       real(wp), intent(in) :: linear                 !! Coefficient of the linear viscosity [1]
+      character(len=*), intent(in) :: limiter        !! Limiter of the viscosity
+      type(kinds_t), intent(in) :: kinds             !! Kinds of the materials
+      integer :: n
       logical :: acts
       type(group_t) :: effects, group
 
@@ -89,7 +97,13 @@ contains
       group = deck%group("method", 1)
       if (.not. acts .or. group%given("bulk_q1") .or. group%given("viscosity_limiter")) return
       call deck%set_default("method", 1, "bulk_q1", linear)
-      call deck%set_default("method", 1, "viscosity_limiter", "smooth")
+      call deck%set_default("method", 1, "viscosity_limiter", limiter)
+      if (.not. kinds%some_gas()) return
+      do n = 1, size(kinds%gas)
+         group = deck%group("material", n)
+         if (kinds%gas(n) .and. .not. group%given("bulk_q1")) call deck%set_default("material", n, &
+            "bulk_q1", weak)
+      end do
    end subroutine set_viscosity
 
    !> Is the strain that of two velocities, by the deck or by a default that is set?

@@ -146,7 +146,7 @@ contains
    subroutine finish_materials(deck, simulation)
       type(deck_t), intent(in) :: deck
       type(simulation_t), intent(inout) :: simulation
-      type(group_t) :: group
+      type(group_t) :: group, own
       integer :: index
 
       group = deck%group("method", 1)
@@ -154,6 +154,8 @@ contains
          associate (material => simulation%materials(index), grid => simulation%space%grid)
             if (allocated(material%viscosity)) then
                call group%get("bulk_q1", material%viscosity%linear)
+               own = deck%group("material", index)
+               if (own%known("bulk_q1")) call own%get("bulk_q1", material%viscosity%linear)
                call group%get("bulk_q2", material%viscosity%quadratic)
                material%viscosity%limited = simulation%scheme%method%limited
             end if

@@ -12,7 +12,7 @@ module step_normalised_sums
    use base_kinds, only: wp
    use ddmp_alpha, only: mean_alpha
    use ddmp_dual, only: dual_t
-   use material_kinds, only: is_fluid
+   use material_kinds, only: is_fluid, is_gas
    use material_type, only: material_t
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
@@ -63,8 +63,8 @@ contains
          if (method%normalise == "none") return
          scheme%flows = [(is_fluid(materials(n)), n=1, size(materials))]
          scheme%normalises = scheme%flows .or. method%normalise == "all"
-         if (method%normalise == "gases") scheme%normalises = scheme%flows .and. &
-            [(materials(n)%carries_energy(), n=1, size(materials))]
+         if (method%normalise == "gases") scheme%normalises = &
+            [(is_gas(materials(n)), n=1, size(materials))]
          if (.not. any(scheme%normalises)) then
             deallocate (scheme%normalises, scheme%flows)
             return

@@ -72,7 +72,7 @@ contains
          if (method%averages()) call average_strain(store, tile, scratch%half_strain, &
             deformation%gradient)
          if (method%limited) call find_jump(grid, store%cell_start(:, tile), &
-            motion%strain(:, :, view%slot), view%gradient, deformation%gradient, &
+            motion%strain(:, :, view%slot), view%gradient, method%slack, deformation%gradient, &
             deformation%jump)
          if (has_normalised_sums(scheme, index)) call limit_compression(grid, &
             store%cell_start(:, tile), motion%strain(:, :, view%slot), dt, &

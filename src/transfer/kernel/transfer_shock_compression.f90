@@ -7,7 +7,8 @@
 !! J. Caramana, M. J. Shashkov, P. P. Whalen, J. Comput. Phys. 144 (1998) 70). A shock compresses
 !! one or two cells, so some neighbour is not compressed. In one dimension the node gradient is the
 !! mean of the two adjacent cells, so twice the least node value less the cell value is the least
-!! value of the neighbours, without another sum over nodes. Equations (V.1) and (V.2) of
+!! value of the neighbours, without another sum over nodes, and twice the mean of the node values
+!! less the cell value is the mean of the neighbours. Equations (V.1) and (V.2) of
 !! doc/theory/viscosity.md.
 module transfer_shock_compression
    use base_kinds, only: wp
@@ -15,11 +16,14 @@ module transfer_shock_compression
    implicit none
    private
 
-   public :: limit_compression, find_jump
+   public :: find_jump, limit_compression, monotone
 
    !> Ratio of the least compression of a neighbour to that of the cell above which the flow counts
    !! as smooth; at a ratio of 1 viscosity resists nothing.
    real(wp), parameter :: onset = 0.5_wp
+   !> Factor of the least compression of a neighbour in the limiter `monotone`, where the mean of
+   !! the neighbours is the other bound: a slope that changes evenly is smooth [1]
+   real(wp), parameter :: monotone = 1.5_wp
    !> Least fraction of a compression that viscosity resists, where sums are normalised [1]
    real(wp), parameter :: kept = 0.25_wp
 
@@ -27,11 +31,12 @@ contains
 
    !> Trace of the strain of the step that viscosity resists, for the particles of a tile. The hoop
    !! strain of axisymmetry is not part of it: it is uniform around the axis and has no jump.
-   pure subroutine find_jump(grid, start, velocity, gradient, strain, jump)
+   pure subroutine find_jump(grid, start, velocity, gradient, slack, strain, jump)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
       real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) Node gradient [1/s]
+      real(wp), intent(in) :: slack                          !! 1 or `monotone` [1]
       real(wp), contiguous, intent(in) :: strain(:, :)       !! (particle, 9) Strain of the step [1]
       real(wp), contiguous, intent(inout) :: jump(:)         !! (particle) [1]
       real(wp) :: left
@@ -39,7 +44,7 @@ contains
 
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         left = shock_fraction(grid, grid%first_node(cell), velocity, gradient)
+         left = shock_fraction(grid, grid%first_node(cell), velocity, gradient, slack)
          do p = start(cell) + 1, start(cell + 1)
             jump(p) = left*(strain(p, 1) + strain(p, 9))
          end do
@@ -118,23 +123,28 @@ contains
 
    !> Fraction of the compression of a cell that is not smooth: 0 to 1. A node without cells of
    !! weight has no gradient, so for isolated particles the fraction is 1.
-   pure real(wp) function shock_fraction(grid, base, velocity, gradient) result(left)
+   pure real(wp) function shock_fraction(grid, base, velocity, gradient, slack) result(left)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: base                            !! First node of the cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) [1/s]
-      real(wp) :: own, least, ratio
+      real(wp), intent(in) :: slack                          !! Factor of the least neighbour [1]
+      real(wp) :: own, least, mean, here, ratio
       integer :: lane, node
 
       left = 1.0_wp
       own = compression(grid, base, velocity)
       least = huge(least)
+      mean = 0.0_wp
       do lane = 1, 2**grid%dimensions
          node = base + grid%lane_offset(lane)
-         least = min(least, -(gradient(1, node) + gradient(5, node) + gradient(9, node)))
+         here = -(gradient(1, node) + gradient(5, node) + gradient(9, node))
+         least = min(least, here)
+         mean = mean + here
       end do
       if (.not. own > 0.0_wp) return
-      ratio = 2.0_wp*least/own - 1.0_wp
+      mean = 2.0_wp*mean/(2**grid%dimensions*own) - 1.0_wp
+      ratio = min(mean, slack*(2.0_wp*least/own - 1.0_wp))
       left = min(1.0_wp, max(0.0_wp, (1.0_wp - ratio)/(1.0_wp - onset)))
    end function shock_fraction
 end module transfer_shock_compression

@@ -4,7 +4,6 @@
 Would catch: stress or velocity that does not agree with the impedances, a free surface that absorbs part of a wave, a
 plate that does not support tension or supports it beyond its strength, failed material that still transmits tension,
 bodies that stick together, an interface of light and heavy material that moves with the wrong one.
- between light and heavy matter that follows the wrong one.
 
 All waves are acoustic: strains are below a thousandth, so stress and velocity jump as rho c. A flyer of
 thickness h meets a target of 2 h with the speed V: stress rho c V/2; the free surface of the target has the velocity V
