@@ -27,14 +27,14 @@ DECK = """
 {more}
 &material  name='glass'  density=2500  young=70e9  poisson=0.2  {model} /
 &region  name='a'  shape='box'  lo={low}  hi={high} /
-&body  name='a'  region='a'  material='glass'  ppc={ppc}  packing='{packing}'  velocity={velocity} /
+&body  name='a'  region='a'  material='glass'  ppc={ppc}  packing='{packing}'  {velocity} /
 &output  name='p'  kind='particles'  every=1000000  precision='double'  fields='scatter','mass','identity' /
 """
 WEIBULL = "damage_model='principal_stress'  failure_stress=100e6  weibull_m=6  weibull_volume=1e-6"
 FLAWS = "damage_model='grady_kipp'  weibull_m=6  weibull_k=1e25"
 START = {"dimension": "3d", "seed": 1, "lo": "0,0,0", "hi": "0.12,0.12,0.12", "dx": 0.02, "t_end": 1, "steps": 0,
          "more": "", "model": WEIBULL, "low": "0,0,0", "high": "0.12,0.12,0.12", "ppc": "2,2,2", "packing": "lattice",
-         "velocity": "0,0,0"}
+         "velocity": ""}
 PLANE = {"dimension": "plane_strain", "ppc": "2,1,2"}
 BAR = {"dimension": "1d", "ppc": "2,1,1"}
 
@@ -77,7 +77,7 @@ def test_same_stone(options, sheet, scene, active, model):
 
 def test_same_bits(options, sheet):
     """Ranks, threads and a restart."""
-    keys = {"dx": 0.01, "steps": 4, "velocity": "3,0,0", "hi": "0.24,0.12,0.12"}
+    keys = {"dx": 0.01, "steps": 4, "velocity": "velocity=3,0,0", "hi": "0.24,0.12,0.12"}
     one = field(options, "one", **keys)
     for name, ranks, threads in (("ranks", 2, 1), ("threads", 1, 2)):
         other = field(options, name, ranks=ranks, threads=threads, **keys)
@@ -96,7 +96,7 @@ def test_places(options, sheet):
     whole = field(options, "whole")
     at = whole[0][:, 0] < 0.06
     sheet.require(np.array_equal(whole[1][at], short[1]), "a longer body has the same flaws where it was")
-    moving = field(options, "moving", high="0.06,0.12,0.12", steps=3, velocity="100,0,0")
+    moving = field(options, "moving", high="0.06,0.12,0.12", steps=3, velocity="velocity=100,0,0")
     sheet.require(np.array_equal(moving[1], short[1]), "a body that moves keeps its strength")
     sheet.require(moving[0][:, 0].max() > short[0][:, 0].max(), "it has moved")
     for name, keys in (("elsewhere", {"low": "0.06,0,0"}), ("seed", {"high": "0.06,0.12,0.12", "seed": 2})):
@@ -136,11 +136,11 @@ def test_halves(options, sheet):
     """A soft bar is stretched until its particles are halved: every half has the strength of the whole."""
     soft = WEIBULL.replace("100e6", "1e15")
     keys = {**BAR, "dx": 0.01, "hi": "0.5,1,1", "low": "0.1,0,0", "high": "0.2,1,1", "model": soft,
-            "more": "&method  split=.true. /", "velocity": "0,0,0"}
+            "more": "&method  split=.true. /", "velocity": ""}
     points, strength, identity = field(options, "whole", **keys)
-    deck = DECK.format(**{**START, **keys, "steps": 4000, "t_end": 4.0e-4})
-    deck = deck.replace("velocity=0,0,0", "velocity_x='3e3*(x-0.15)'")
-    last = case.Case(options, "halves", deck).run("-q").snapshots()[-1][1]
+    deck = DECK.format(**{**START, **keys, "steps": 4000, "t_end": 4.0e-4,
+                          "velocity": "velocity_formula='3e3*(x-0.15)','0','0'"})
+    last = case.Case(options, "halves", deck.replace("70e9", "70e3")).run("-q").snapshots()[-1][1]
     sheet.require(len(last.fields["scatter"]) > 1.2 * len(strength), "particles were halved")
     known = dict(zip(identity, strength))
     right = [known[number & (2 ** 40 - 1)] for number in last.fields["identity"].astype("i8")]
@@ -151,7 +151,7 @@ def test_inflow(options, sheet):
     """Material that enters is a long bar that moves into the domain, of the flaws of that bar."""
     long = field(options, "long", **{**BAR, "lo": "-0.6,0,0", "hi": "0.6,1,1", "dx": 0.01, "low": "-0.6,0,0",
                                      "high": "0.1,1,1"})
-    keys = {**BAR, "lo": "0,0,0", "hi": "0.6,1,1", "dx": 0.01, "high": "0.1,1,1", "velocity": "100,0,0",
+    keys = {**BAR, "lo": "0,0,0", "hi": "0.6,1,1", "dx": 0.01, "high": "0.1,1,1",
             "more": "&inflow  body='a'  velocity=100,0,0 /", "steps": 100000, "t_end": 4.03e-3}
     points, strength, _ = field(options, "flow", **keys)
     start = points[:, 0] - 100.0 * 4.03e-3
