@@ -34,7 +34,7 @@ module particle_inflow
       type(store_t) :: pattern                       !! Particles in the tiles of the body
       !> (3, particle of the pattern) Boxes that they fill at the start, if strength scatters [m]
       real(wp), allocatable :: low(:, :), high(:, :)
-      real(wp), allocatable :: back(:) !! (particle of the pattern) Of its last copy at the start [m]
+      real(wp), allocatable :: back(:) !! (same) Shift of its last copy along the axis [m]
       integer, allocatable :: particle(:)            !! (entry) Particle of the body
       integer(int64), allocatable :: identity(:)     !! (entry) First identity of the copies
       real(wp), allocatable :: origin(:)             !! (entry) Positions along the axis [m]

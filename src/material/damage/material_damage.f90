@@ -108,8 +108,8 @@ contains
       leaves = .false.
    end function damage_leaves_strength
 
-   !> Strength of a particle from the level of its weakest flaw, for the field `scatter` if the model
-   !! requests it.
+   !> Strength of a particle from the level of its weakest flaw, for the field `scatter` where the
+   !! model requests it.
    pure real(wp) function damage_strength_of(self, level) result(strength)
       class(damage_t), intent(in) :: self
       real(wp), intent(in) :: level                            !! Of its weakest flaw [1/m3]

@@ -41,7 +41,7 @@ module material_failed
       type(fade_t), allocatable :: fade              !! Tensile strength fades in a time
       type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
       type(failed_law_t), allocatable :: failed_law  !! Law of failed material
-      type(flaws_t) :: flaws                         !! Places and levels of flaws
+      type(flaws_t) :: flaws                         !! Flaws on which strength depends
    end type failure_t
 
    !> The failed particles of a range.

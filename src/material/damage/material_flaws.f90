@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Flaws of brittle material: a Poisson process of places, so that the strength of a place does not
+!> Flaws of brittle material: a Poisson process in space, so that the strength of a place does not
 !! depend on the cells or particles that compute it (W. Weibull, Ingenioersvetenskapsakad. Handl.
 !! 151 (1939); D. E. Grady, M. E. Kipp, Int. J. Rock Mech. Min. Sci. 17 (1980) 147).
 !!

@@ -227,7 +227,7 @@ contains
       if (allocated(store%state%brittle%scatter)) call draw_strengths(grid, material, bodies, store)
    end subroutine fill_store
 
-   !> Random strength of the particles of a store, from their places at the start.
+   !> Random strength of the particles of a store, from the boxes that they fill.
    subroutine draw_strengths(grid, material, bodies, store)
       type(grid_t), intent(in) :: grid
       type(material_t), intent(in) :: material       !! That of the store

@@ -31,7 +31,8 @@ DECK = """
 #: The wave strains by 3.5e-3. The thinnest slices have flaws that grow at a mean strain of 3.2e-3. Weibull: a mean
 #: strength of 250 MPa, of 290 MPa in the wave.
 MODELS = {"grady_kipp": "damage_model='grady_kipp'  weibull_k={k:.17g}  weibull_m=6  crack_speed={speed:.17g}",
-          "weibull": "damage_model='principal_stress'  failure_stress={stress:.17g}  weibull_m=6  weibull_volume={volume}"}
+          "weibull": "damage_model='principal_stress'  failure_stress={stress:.17g}  weibull_m=6  "
+                     "weibull_volume={volume}"}
 SHAPES = {"plane_strain": {"hi": "8e-3,{0},12e-3", "body": "8e-3,{0},9e-3", "ppc": "2,1,2", "velocity": "0,0,20",
                            "face": "zlo"},
           "1d": {"hi": "24e-3,{0},{0}", "body": "20e-3,{0},{0}", "ppc": "2,1,1", "velocity": "20,0,0", "face": "xlo"}}
@@ -41,7 +42,7 @@ THICKNESSES = (0.3e-3, 1.0e-3, 4.0e-3)                          # [m], none a mu
 def run_slice(options, name, dimension, thickness, model, more):
     """Damage and strength of the particles after the run, with the constants of slices `more` times as thick as the first."""
     keys = {key: word.format(thickness) for key, word in SHAPES[dimension].items()}
-    volume = 0.5e-3 * 0.5e-3 * THICKNESSES[0] if dimension == "plane_strain" else 0.5e-3 * THICKNESSES[0] ** 2
+    volume = 0.5e-3 * THICKNESSES[0] * (0.5e-3 if dimension == "plane_strain" else THICKNESSES[0])
     constants = MODELS[model].format(k=9.3e14 / volume / more, speed=0.15 * more ** (1.0 / 3.0), volume=volume,
                                      stress=250.0e6 * more ** (1.0 / 6.0))
     run = case.Case(options, name, DECK.format(dimension=dimension, model=constants, **keys)).run("-q")
