@@ -40,7 +40,7 @@ THICKNESSES = (0.3e-3, 1.0e-3, 4.0e-3)                          # [m], none a mu
 
 
 def run_slice(options, name, dimension, thickness, model, more):
-    """Damage and strength of the particles after the run, with the constants of slices `more` times as thick as the first."""
+    """Damage and strength of the particles after the run, with constants for `more` times the flaws of the first."""
     keys = {key: word.format(thickness) for key, word in SHAPES[dimension].items()}
     volume = 0.5e-3 * THICKNESSES[0] * (0.5e-3 if dimension == "plane_strain" else THICKNESSES[0])
     constants = MODELS[model].format(k=9.3e14 / volume / more, speed=0.15 * more ** (1.0 / 3.0), volume=volume,
