@@ -1,6 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Bodies to be filled with particles, on the lattice or at given positions.
 module particle_body
+   use base_constants, only: pi
+   use base_elementary, only: power
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use mesh_grid, only: grid_t
@@ -8,7 +10,8 @@ module particle_body
    implicit none
    private
 
-   public :: belongs, body_t, cell_of, find_boxes, find_near, given_t, site_position, tile_sites
+   public :: belongs, body_t, cell_of, find_box, find_boxes, find_near, given_t, site_position, &
+      tile_sites
 
    !> Particles at given positions instead of lattice sites. Threads call these procedures
    !! concurrently, so the result must depend on the arguments alone.
@@ -119,6 +122,43 @@ contains
       where (grid%active) position = grid%lower + grid%spacing*(real(coordinate*grid%width, wp) &
          + (real(site, wp) + 0.5_wp)/real(body%per_cell, wp))
    end function site_position
+
+   !> Box that a particle fills at the start: its lattice site, also if the particle is displaced in
+   !! it; the part of a cut site as a similar box around the particle; a cube for given particles.
+   !! Lattice sites fill the body without gaps. In missing directions both corners are 0.
+   pure subroutine find_box(grid, body, identity, position, volume, low, high)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
+      integer(int64), intent(in) :: identity          !! Of the particle
+      real(wp), intent(in) :: position(3)             !! Of the particle [m]
+      real(wp), intent(in) :: volume                  !! Of the particle [m3]
+      real(wp), intent(out) :: low(3), high(3)        !! Corners of the box [m]
+      real(wp) :: edge(3), depth
+      integer(int64) :: sites(3), number, site(3)
+
+      low = 0.0_wp
+      high = 0.0_wp
+      edge = 1.0_wp
+      if (.not. allocated(body%given)) edge = grid%spacing/real(body%per_cell, wp)
+      if (body%cut .or. allocated(body%given)) then
+         depth = merge(2.0_wp*pi*position(1), grid%depth, grid%axisymmetric)
+         edge = 0.5_wp*edge*power(volume/(depth*product(edge, mask=grid%active)), &
+            1.0_wp/real(grid%dimensions, wp))
+         where (grid%active)
+            low = position - edge
+            high = position + edge
+         end where
+         return
+      end if
+      sites = body%sites(grid)
+      number = identity - body%first_identity
+      site = [modulo(number, sites(1)), modulo(number/sites(1), sites(2)), &
+         number/(sites(1)*sites(2))]
+      where (grid%active)
+         low = grid%lower + edge*real(site, wp)
+         high = grid%lower + edge*real(site + 1_int64, wp)
+      end where
+   end subroutine find_box
 
    !> Cell of a position, counted from 0; positions outside the domain belong to the nearest cell.
    pure function cell_of(grid, position) result(cell)

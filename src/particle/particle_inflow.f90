@@ -32,12 +32,16 @@ module particle_inflow
       real(wp) :: ahead = 0.0_wp !! Displacement before a restart, less that of this motion [m]
       integer(int64) :: identities = 0               !! Added to an identity from copy to copy
       type(store_t) :: pattern                       !! Particles in the tiles of the body
+      !> (3, particle of the pattern) Boxes that they fill at the start, if strength scatters [m]
+      real(wp), allocatable :: low(:, :), high(:, :)
+      real(wp), allocatable :: back(:) !! (same) Shift of its last copy along the axis [m]
       integer, allocatable :: particle(:)            !! (entry) Particle of the body
       integer(int64), allocatable :: identity(:)     !! (entry) First identity of the copies
       real(wp), allocatable :: origin(:)             !! (entry) Positions along the axis [m]
    contains
       procedure :: travel => inflow_travel           !! Displacement of the flow
       procedure :: enter => inflow_enter             !! Particles that enter in a step
+      procedure :: find_box => inflow_find_box       !! Place of an entering particle at the start
       procedure :: state => inflow_state             !! Displacement, for a checkpoint
       procedure :: continue => inflow_continue       !! Continues from the displacement
    end type inflow_t
@@ -116,8 +120,22 @@ contains
             self%pattern%position(p, self%axis) = self%origin(n) + self%sense*(now &
                + inside*grid%spacing - real(copy, wp)*self%length)
             self%pattern%velocity(p, :) = speed
+            if (allocated(self%back)) self%back(p) = -self%sense*real(copy, wp)*self%length
          end do
       end if
       particle = particle(:filled)
    end subroutine inflow_enter
+
+   !> Box that a particle which enters filled at the start: the flow is one piece of material that
+   !! moves into the domain, so the place of a copy is behind that of the body.
+   pure subroutine inflow_find_box(self, p, low, high)
+      class(inflow_t), intent(in) :: self
+      integer, intent(in) :: p                       !! Index in the pattern
+      real(wp), intent(out) :: low(3), high(3)       !! Corners of the box [m]
+
+      low = self%low(:, p)
+      high = self%high(:, p)
+      low(self%axis) = low(self%axis) + self%back(p)
+      high(self%axis) = high(self%axis) + self%back(p)
+   end subroutine inflow_find_box
 end module particle_inflow

@@ -104,7 +104,7 @@ EFFECTS = {
     "p_alpha": model(PORES),
     "table": model("density=1000  shear=5.0e5  eos_model='table'  eos_table='table.txt'"),
     "damage": switch("damage", material=ELASTIC, more=BRITTLE),
-    "size_scatter": switch("size_scatter", DAMAGE, f"{ELASTIC}  {BRITTLE}", "weibull_m=7"),
+    "size_scatter": switch("size_scatter", DAMAGE, f"{ELASTIC}  {BRITTLE}", "weibull_m=7  weibull_volume=1"),
     "voids": switch("voids", DAMAGE, f"{ELASTIC}  {BRITTLE}"),
     "thermal": switch("thermal", material=f"{ELASTIC}  {YIELD}", more=HOT),
     "melting": switch("melting", THERMAL, f"{ELASTIC}  {YIELD}  {HOT}", "t_melt=900"),

@@ -26,7 +26,7 @@ DECK = """
 ALL = ("damage=.true. size_scatter=.true. voids=.true. thermal=.true. melting=.true. gravity=.true. erosion=.true. "
        "damping=1")
 METAL = ("strength_model='von_mises' yield=1e3 damage_model='principal_stress' failure_stress=1e5 weibull_m=7 "
-         "specific_heat=500 t_melt=900 conductivity=10")
+         "weibull_volume=1 specific_heat=500 t_melt=900 conductivity=10")
 ROWS = ("strength", "eos", "voids", "damage", "thermal", "artificial_viscosity", "heat conduction", "contact")
 PHASES = ("sort, move tiles", "points to nodes", "exchange", "waiting for ranks", "grid", "nodes to points")
 ON = (ROWS[:2] + ROWS[5:6], ROWS[:2], ROWS[:7], ROWS[:2] + ROWS[5:6] + ROWS[7:])   # of the decks

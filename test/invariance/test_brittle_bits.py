@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A brittle ball bursts on a hot plate: the same bits for any ranks and threads, and after a restart.
 
-Would catch: strength that is drawn by position or rank instead of by particle, failed particles that follow their law
-only on some ranks, voids, temperatures or flags that a migration or a checkpoint exchanges, heat whose flow depends on
-ranks, flags other than 0 and 1, mass or momentum lost on failing; cracks whose stress without cracks, recovered from
-the effective stress, depends on ranks and threads; a delay whose load from the previous step is lost when a particle
-migrates or a run is stopped.
+Would catch: strength that depends on the present position or the rank instead of the place at the start, failed
+particles that follow their law only on some ranks, voids, temperatures or flags that a migration or a checkpoint
+exchanges, heat whose flow depends on ranks, flags other than 0 and 1, mass or momentum lost on failing; cracks whose
+stress without cracks, recovered from the effective stress, depends on ranks and threads; a delay whose load from the
+previous step is lost when a particle migrates or a run is stopped.
 """
 # timeout: 400
 # cores: 2

@@ -2,7 +2,7 @@
 """Inflows: the same bits for any ranks and threads and after a restart.
 
 Would catch particles that a rank counts for another one, a step at whose end a restart inserts particles twice or not
-at all, strengths that are drawn for another identity, and tiles that a rank without particles cannot create.
+at all, strengths of another place, and tiles that a rank without particles cannot create.
 """
 # timeout: 300
 # cores: 2

@@ -353,8 +353,9 @@ def fail(chance, matter, effects, dx):
     word = keys.get("damage_model", "none")
     if effects.get("size_scatter") and word in ("principal_stress", "principal_strain"):
         keys["weibull_m"] = chance.uniform(4.0, 15.0)
-        if chance.true(0.5):
-            keys["weibull_volume"] = dx ** 3
+        keys["weibull_volume"] = dx ** 3
+        if chance.true(0.3):
+            keys["weibull_size"] = dx * chance.log(0.1, 5.0)
     if word != "none" or "spall" in keys:
         matter.breaks = True
         matter.model += f"/{word}"

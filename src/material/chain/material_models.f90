@@ -7,6 +7,7 @@ module material_models
    use material_eos, only: eos_t
    use material_failed, only: failure_t
    use material_field_requests, only: field_requests_t
+   use material_flaws, only: flaw_blocks_t
    use material_heat, only: heat_t
    use material_law, only: law_t
    use material_record, only: record_t
@@ -44,7 +45,7 @@ module material_models
       procedure :: allocate_state => models_allocate_state !! Allocates these fields
       procedure :: carries_energy => models_carries_energy !! True if it has an internal energy
       procedure :: start => models_start             !! Initial state of particles
-      procedure :: draw_strength => models_draw_strength       !! Random strength of particles
+      procedure :: draw_strength => models_draw_strength       !! Random strength of a particle
       procedure :: start_energy => models_start_energy !! Internal energy at the start
       procedure :: temperature_of => models_temperature_of !! Temperature of an energy at the start
       procedure :: starts_with_energy => models_starts_with_energy !! True if it has energy then
@@ -219,16 +220,18 @@ contains
       if (allocated(self%eos)) is_gas = self%eos%detonates()
    end function models_is_gas_of_explosive
 
-   !> Random strength of new particles. Their mass is known, and the strength depends on their
-   !! identity.
-   pure subroutine models_draw_strength(self, state, identity, first, last)
+   !> Random strength of a new particle, if strength scatters: that of the weakest flaw in the box
+   !! that it fills in the reference state.
+   pure subroutine models_draw_strength(self, state, particle, low, high, blocks)
       class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
-      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first, last             !! Particles of the range
+      integer, intent(in) :: particle                !! Index in the store
+      real(wp), intent(in) :: low(3), high(3)        !! Corners of the box [m]
+      !> Blocks of flaws that cover it; default: found here
+      type(flaw_blocks_t), optional, intent(in) :: blocks
 
-      if (allocated(state%brittle%scatter)) call self%damage%draw_strength(self%failure%seed, &
-         identity, first, last, state%mass, state%brittle%scatter)
+      if (allocated(state%brittle%scatter)) state%brittle%scatter(particle) = &
+         self%damage%strength_of(self%failure%flaws%weakest(low, high, blocks))
    end subroutine models_draw_strength
 
    !> True if the mean stress follows the dilatation, without equation of state and without a law

@@ -182,7 +182,8 @@ contains
          end if
       end if
       call run_group%get("seed", seed)
-      material%failure%seed = int(seed, int64)
+      material%failure%flaws%seed = int(seed, int64)
+      if (group%given("weibull_size")) call group%get("weibull_size", material%failure%flaws%size)
       if (.not. effects%damage) then
          if (.not. group%given("spall")) return
          allocate (material%failure%spall)

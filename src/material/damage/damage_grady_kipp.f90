@@ -5,17 +5,17 @@
 !!
 !!    d D**(1/3)/dt = n**(1/3) g/R,   R the radius of a sphere of the volume V
 !!
-!! The weakest flaw of each particle is random: for randomly distributed flaws its k V e**m has the
-!! distribution exp(-x). Further flaws are counted by their mean number. Damage does not weaken a
-!! particle before it is complete. V does not depend on the thickness of a plane grid. Equations
-!! (F.6) and (F.7) of doc/theory/failure.md.
+!! The weakest flaw of each particle is that of its place (`material_flaws`). Further flaws are
+!! counted by their mean number. Damage does not weaken a particle before it is complete. V is the
+!! volume of the particle, in plane strain with the thickness of the grid, in axisymmetry of the
+!! ring. Equations (F.6) and (F.7) of doc/theory/failure.md.
 module damage_grady_kipp
    use base_constants, only: pi
    use base_elementary, only: power
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use material_brittle, only: bound_deviator, find_extremes, random_exponential
+   use material_brittle, only: bound_deviator, find_extremes
    use material_damage, only: damage_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
@@ -37,7 +37,7 @@ module damage_grady_kipp
       procedure :: needs_weibull => grady_kipp_needs_weibull !! Always, for the flaws
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Requests damage and scatter
-      procedure :: draw_strength => grady_kipp_draw_strength !! The weakest flaw
+      procedure :: strength_of => grady_kipp_strength_of !! Strain at which a flaw grows
       procedure :: update => grady_kipp_update       !! Grows the flaws
    end type damage_grady_kipp_t
 
@@ -86,7 +86,7 @@ contains
       self%scatters = effects%size_scatter
    end subroutine grady_kipp_read
 
-   !> Request the damage and, if strength scatters, the random number of the weakest flaw.
+   !> Request the damage and, if strength scatters, the strain of the weakest flaw.
    pure subroutine grady_kipp_request(self, requests)
       class(damage_grady_kipp_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -95,20 +95,13 @@ contains
       if (self%scatters) call requests%add("scatter", "size_scatter", 1)
    end subroutine grady_kipp_request
 
-   !> Draw the mean number of flaws at which the weakest flaw of a particle begins to grow.
-   pure subroutine grady_kipp_draw_strength(self, seed, identity, first, last, mass, scatter)
+   !> Elastic tensile strain at which a flaw begins to grow [1].
+   pure real(wp) function grady_kipp_strength_of(self, level) result(strength)
       class(damage_grady_kipp_t), intent(in) :: self
-      integer(int64), intent(in) :: seed                   !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first, last                   !! Particles of the range
-      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
-      real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
-      integer :: k
+      real(wp), intent(in) :: level                        !! Number of weaker flaws [1/m3]
 
-      do k = first, last
-         scatter(k) = random_exponential(seed, identity(k))
-      end do
-   end subroutine grady_kipp_draw_strength
+      strength = power(level/self%flaws, 1.0_wp/self%exponent)
+   end function grady_kipp_strength_of
 
    !> Let the flaws of strained particles grow.
    pure subroutine grady_kipp_update(self, state, deformation, first, last, dt)
@@ -133,8 +126,11 @@ contains
             strain = 0.5_wp*deformation%damage%bound(i)/self%shear &
                - pressure(i)/(3.0_wp*self%bulk)
             if (strain <= 0.0_wp .or. damage(k) >= 1.0_wp) cycle
-            if (self%scatters) weakest = state%brittle%scatter(k)
-            volume = self%slice%volume(state%mass(k), self%density)
+            volume = state%mass(k)/self%density
+            if (self%scatters) then
+               if (strain < state%brittle%scatter(k)) cycle
+               weakest = self%flaws*volume*power(state%brittle%scatter(k), self%exponent)
+            end if
             if (self%flaws*volume*power(strain, self%exponent) < weakest) cycle
             call find_extremes(state%stress, k, greatest, least)
             strain = 0.5_wp*greatest/self%shear - pressure(i)/(3.0_wp*self%bulk)

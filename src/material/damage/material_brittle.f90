@@ -1,32 +1,21 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Common parts of the models of brittle failure: principal values, random strength, and the volume
-!! on which the strength depends.
+!> Common parts of the models of brittle failure: principal values, and the keys of their scatter.
 module material_brittle
-   use base_elementary, only: logarithm, power
-   use base_kinds, only: int64, wp
-   use base_random, only: random_uniform
+   use base_kinds, only: wp
    use deck_schema, only: schema_t
    use material_principal, only: principal
    implicit none
    private
 
-   public :: declare_brittle, random_exponential, find_extremes, &
-      bound_deviator, slice_t, weibull_t
+   public :: bound_deviator, declare_brittle, find_extremes, weibull_t
 
-   !> Scatter of strength after W. Weibull, J. Appl. Mech. 18 (1951) 293: the probability that a
-   !! volume V fails below f times the characteristic strength is 1 - exp(-V/V0 f**m).
+   !> Scatter of strength after W. Weibull, Ingenioersvetenskapsakad. Handl. 151 (1939): the
+   !! probability that a volume V fails below f times the characteristic strength is
+   !! 1 - exp(-V/V0 f**m).
    type :: weibull_t
       real(wp) :: modulus = 1.0_wp                   !! m [1]
-      real(wp) :: volume = 0.0_wp !! V0, 0 if strength does not depend on size [m3]
+      real(wp) :: volume = 1.0_wp                    !! V0 [m3]
    end type weibull_t
-
-   !> Extent of the particles in the directions that are not computed.
-   type :: slice_t
-      real(wp) :: depth = 1.0_wp                     !! Length or area [m**(3 - d)]
-      real(wp) :: exponent = 1.0_wp                  !! 3/d for d directions; 1 in axisymmetry [1]
-   contains
-      procedure :: volume => slice_volume            !! Volume that a particle represents
-   end type slice_t
 
 contains
 
@@ -46,34 +35,18 @@ contains
          "of the number of flaws over strain (Grady-Kipp)", range="> 0", &
          owner=owner//" grady_kipp")
       call schema%real("material", "weibull_volume", "volume to which the given strength "// &
-         "applies; without it strength does not depend on size", unit="m3", range="> 0", &
+         "applies: 63 % of specimens of this volume fail below it, larger ones are weaker", &
+         unit="m3", range="> 0", &
          owner="effects.size_scatter & damage_model = principal_stress principal_strain")
-      call schema%forbid_change("material", "weibull_m weibull_volume", "the strengths of the "// &
-         "particles were drawn with it")
+      call schema%require("material", "weibull_volume")
+      call schema%real("material", "weibull_size", "edge of the smallest cubes with a strength "// &
+         "of their own, such as the size of grains; smaller particles have that of the cube "// &
+         "around them; with 0 smaller ones are always stronger", unit="m", default="0", &
+         range=">= 0", owner="effects.size_scatter & damage_model = principal_stress "// &
+         "principal_strain grady_kipp")
+      call schema%forbid_change("material", "weibull_m weibull_volume weibull_size", &
+         "the strengths of the particles were drawn with it")
    end subroutine declare_brittle
-
-   !> Reference volume that a particle represents, on which its strength depends: its own volume; in
-   !! one dimension the cube of its length and in plane strain that of the square root of its area,
-   !! so that the extent of the grid in other directions has no effect. In axisymmetry it is the
-   !! volume of the ring. Equation (F.6) of doc/theory/failure.md.
-   elemental real(wp) function slice_volume(self, mass, density) result(volume)
-      class(slice_t), intent(in) :: self
-      real(wp), intent(in) :: mass                   !! [kg]
-      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
-
-      volume = mass/density
-      if (self%exponent > 1.0_wp) volume = power(volume/self%depth, self%exponent)
-   end function slice_volume
-
-   !> Exponentially distributed random number of mean 1.
-   elemental real(wp) function random_exponential(seed, identity) result(number)
-      integer(int64), intent(in) :: seed             !! Seed of the random numbers
-      integer(int64), intent(in) :: identity         !! Identity of the particle
-      ! Index of the random number of a particle; each effect uses a different index.
-      integer(int64), parameter :: draw = 7717_int64
-
-      number = -logarithm(random_uniform(seed, identity, draw))
-   end function random_exponential
 
    !> Upper bound of the principal values of the deviator: 2/3 of the equivalent stress. Where the
    !! bound is below the strength, as for most particles, principal values need not be computed.

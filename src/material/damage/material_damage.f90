@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Abstract damage model: the damage of a particle grows from 0 to 1.
 module material_damage
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use material_brittle, only: slice_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
    use material_law, only: law_t
@@ -19,7 +18,6 @@ module material_damage
       real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
-      type(slice_t) :: slice                         !! Extent in directions that are not computed
    contains
       procedure :: declare => damage_declare         !! Declares its keys, if it has any
       procedure :: fault => damage_fault             !! Error in the combination of its keys
@@ -30,7 +28,7 @@ module material_damage
       procedure :: leaves_strength => damage_leaves_strength
       procedure(read_i), deferred :: read            !! Reads its keys
       procedure(request_i), deferred :: request      !! Requests the fields it needs
-      procedure :: draw_strength => damage_draw_strength !! Random strength of particles
+      procedure :: strength_of => damage_strength_of !! Strength of material with a flaw
       procedure(update_i), deferred :: update        !! Damage after the step
    end type damage_t
 
@@ -110,16 +108,12 @@ contains
       leaves = .false.
    end function damage_leaves_strength
 
-   !> Random strength of new particles, where the model requested the field `scatter`. It depends
-   !! on their identity, not on their position or order.
-   pure subroutine damage_draw_strength(self, seed, identity, first, last, mass, scatter)
+   !> Strength of a particle from the level of its weakest flaw, for the field `scatter` where the
+   !! model requests it.
+   pure real(wp) function damage_strength_of(self, level) result(strength)
       class(damage_t), intent(in) :: self
-      integer(int64), intent(in) :: seed                       !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first, last                       !! Particles of the range
-      real(wp), contiguous, intent(in) :: mass(:)              !! (store) [kg]
-      real(wp), contiguous, intent(inout) :: scatter(:)        !! Random strength (store) [1]
+      real(wp), intent(in) :: level                            !! Of its weakest flaw [1/m3]
 
-      scatter(first:last) = 1.0_wp
-   end subroutine damage_draw_strength
+      strength = 1.0_wp
+   end function damage_strength_of
 end module material_damage

@@ -13,6 +13,7 @@ module material_failed
    use deck_schema, only: schema_t
    use law_drucker_prager, only: law_drucker_prager_t
    use law_granular, only: inverse_key, law_granular_t
+   use material_flaws, only: flaws_t
    use material_friction, only: angles_t
    use material_law, only: law_t
    use material_softening, only: softening_t
@@ -40,7 +41,7 @@ module material_failed
       type(fade_t), allocatable :: fade              !! Tensile strength fades in a time
       type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
       type(failed_law_t), allocatable :: failed_law  !! Law of failed material
-      integer(int64) :: seed = 0                     !! Seed of the random strength
+      type(flaws_t) :: flaws                         !! Flaws on which strength depends
    end type failure_t
 
    !> The failed particles of a range.

@@ -12,9 +12,9 @@
 !! (F.1) to (F.4) of doc/theory/failure.md.
 module material_overload
    use base_elementary, only: power
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
    use deck_group_values, only: group_t
-   use material_brittle, only: bound_deviator, find_extremes, random_exponential, weibull_t
+   use material_brittle, only: bound_deviator, find_extremes, weibull_t
    use material_damage, only: damage_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
@@ -44,7 +44,7 @@ module material_overload
       procedure :: needs_flow => overload_needs_flow !! Returns false
       procedure :: needs_weibull => overload_needs_weibull !! If its strength scatters
       procedure :: request => overload_request       !! Requests damage and scatter
-      procedure :: draw_strength => overload_draw_strength !! Random strength
+      procedure :: strength_of => overload_strength_of !! Strength of material with a flaw
       procedure :: update => overload_update         !! Failure
    end type overload_t
 
@@ -107,26 +107,16 @@ contains
       if (allocated(self%weibull)) call requests%add("scatter", "size_scatter", 1)
    end subroutine overload_request
 
-   !> Strength of particles divided by the characteristic strength, (-ln U V0/V)**(1/m). Equation
-   !! (F.5).
-   pure subroutine overload_draw_strength(self, seed, identity, first, last, mass, scatter)
+   !> Strength of a particle divided by the characteristic strength, from the level of its weakest
+   !! flaw. Equation (F.5).
+   pure real(wp) function overload_strength_of(self, level) result(strength)
       class(overload_t), intent(in) :: self
-      integer(int64), intent(in) :: seed                   !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
-      integer, intent(in) :: first, last                   !! Particles of the range
-      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
-      real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
-      real(wp) :: number
-      integer :: k
+      real(wp), intent(in) :: level                        !! [1/m3]
 
-      if (.not. allocated(self%weibull)) return
-      do k = first, last
-         number = random_exponential(seed, identity(k))
-         if (self%weibull%volume > 0.0_wp) number = number*self%weibull%volume &
-            /self%slice%volume(mass(k), self%density)
-         scatter(k) = power(number, 1.0_wp/self%weibull%modulus)
-      end do
-   end subroutine overload_draw_strength
+      strength = 1.0_wp
+      if (allocated(self%weibull)) strength = power(level*self%weibull%volume, &
+         1.0_wp/self%weibull%modulus)
+   end function overload_strength_of
 
    !> Growth of damage in a step whose load is known at its end. Where a load is below 1, and was
    !! below 1 before, an upper bound of it is sufficient: few particles are near their strength, and

@@ -7,6 +7,7 @@ module scene_particles
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
+   use material_flaws, only: flaw_blocks_t
    use material_kinds, only: is_gas
    use material_stages, only: effect_count, effect_names
    use material_state, only: has_energy
@@ -16,7 +17,7 @@ module scene_particles
    use mesh_surface_load, only: mark_columns
    use mesh_tiles, only: partition_keys, partition_scattered_keys
    use omp_lib, only: omp_get_max_threads
-   use particle_body, only: body_t
+   use particle_body, only: body_t, find_box
    use particle_fill, only: fill_bodies
    use particle_place, only: find_place
    use particle_store, only: store_t, traits_t
@@ -218,14 +219,55 @@ contains
       call fill_bodies(grid, bodies, coordinates, index, store)
       do tile = 1, size(store%count)
          call start_tile(bodies, material, tile, store)
-         call material%draw_strength(store%state, store%identity, &
-            store%first(tile), store%first(tile) + store%count(tile) - 1)
          if (any(bodies%energy > 0.0_wp .and. bodies%store == index) .or. &
             material%starts_with_energy() .or. has_energy(store%state, store%first(tile), &
             store%first(tile) + store%count(tile) - 1)) call material%find_rest_stress( &
             store%state, store%first(tile), store%first(tile) + store%count(tile) - 1)
       end do
+      if (allocated(store%state%brittle%scatter)) call draw_strengths(grid, material, bodies, store)
    end subroutine fill_store
+
+   !> Random strength of the particles of a store, from the boxes that they fill.
+   subroutine draw_strengths(grid, material, bodies, store)
+      type(grid_t), intent(in) :: grid
+      type(material_t), intent(in) :: material       !! That of the store
+      type(body_t), intent(in) :: bodies(:)
+      type(store_t), intent(inout) :: store
+      integer :: tile
+
+      !$omp parallel do schedule(dynamic, 16) default(none) &
+      !$omp shared(grid, material, bodies, store)
+      do tile = 1, size(store%count)
+         call draw_strengths_of_tile(grid, material, bodies, tile, store)
+      end do
+      !$omp end parallel do
+   end subroutine draw_strengths
+
+   !> Those of one tile. The blocks of flaws around its particles are found once for all of them.
+   subroutine draw_strengths_of_tile(grid, material, bodies, tile, store)
+      type(grid_t), intent(in) :: grid
+      type(material_t), intent(in) :: material       !! That of the store
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: tile
+      type(store_t), intent(inout) :: store
+      real(wp), allocatable :: low(:, :), high(:, :)
+      type(flaw_blocks_t) :: blocks
+      integer :: n, p
+
+      if (store%count(tile) == 0) return
+      allocate (low(3, store%count(tile)), high(3, store%count(tile)))
+      do n = 1, store%count(tile)
+         p = store%first(tile) + n - 1
+         call find_box(grid, bodies(body_of(bodies, store%identity(p))), store%identity(p), &
+            [store%position(p, 1), store%position(p, 2), store%position(p, 3)], &
+            store%state%volume(p), low(:, n), high(:, n))
+      end do
+      blocks = material%failure%flaws%cover(minval(low, 2), maxval(high, 2))
+      do n = 1, store%count(tile)
+         call material%draw_strength(store%state, store%first(tile) + n - 1, low(:, n), &
+            high(:, n), blocks)
+      end do
+   end subroutine draw_strengths_of_tile
 
    !> Set the state of the particles of a tile at the start. The particles of a body are contiguous.
    subroutine start_tile(bodies, material, tile, store)

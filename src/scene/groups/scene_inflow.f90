@@ -13,7 +13,7 @@ module scene_inflow
    use mesh_hilbert, only: hilbert_coordinate
    use mesh_rigid, only: rigid_t
    use mesh_wall, only: wall_t
-   use particle_body, only: body_t, find_boxes
+   use particle_body, only: body_t, find_box, find_boxes
    use particle_inflow, only: inflow_t
    use particle_shape, only: box
    use particle_split, only: root_bits
@@ -273,6 +273,15 @@ contains
          inflow%identity = store%identity(own)
          inflow%particle = own
          inflow%pattern = store
+         if (.not. allocated(store%state%brittle%scatter)) return
+         allocate (inflow%low(3, size(store%identity)), inflow%high(3, size(store%identity)), &
+            inflow%back(size(store%identity)))
+         do n = 1, size(own)
+            p = own(n)
+            call find_box(grid, bodies(inflow%body), store%identity(p), [store%position(p, 1), &
+               store%position(p, 2), store%position(p, 3)], store%state%volume(p), &
+               inflow%low(:, p), inflow%high(:, p))
+         end do
       end associate
    end subroutine make_pattern
 

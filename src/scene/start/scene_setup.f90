@@ -141,8 +141,7 @@ contains
    end subroutine read_materials
 
    !> What materials need of method and grid: the artificial viscosity, whose defaults depend on the
-   !! method, and, for the damage models, the extent of particles in the directions that are not
-   !! computed.
+   !! method, and, for random strength, the directions that are computed.
    subroutine finish_materials(deck, simulation)
       type(deck_t), intent(in) :: deck
       type(simulation_t), intent(inout) :: simulation
@@ -159,9 +158,9 @@ contains
                call group%get("bulk_q2", material%viscosity%quadratic)
                material%viscosity%limited = simulation%scheme%method%limited
             end if
-            if (grid%axisymmetric .or. .not. allocated(material%damage)) cycle
-            material%damage%slice%depth = grid%depth
-            material%damage%slice%exponent = 3.0_wp/real(grid%dimensions, wp)
+            material%failure%flaws%active = grid%active
+            material%failure%flaws%axisymmetric = grid%axisymmetric
+            material%failure%flaws%depth = grid%depth
          end associate
       end do
    end subroutine finish_materials

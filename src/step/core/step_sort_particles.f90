@@ -94,6 +94,7 @@ contains
       real(wp), intent(in) :: began                  !! Begin of the step [s]
       type(fed_t), allocatable, intent(out) :: fed(:) !! (inflow)
       type(row_packer_t) :: packer
+      real(wp) :: low(3), high(3)
       integer :: n, row, p
 
       allocate (fed(size(effects%inflows)))
@@ -106,8 +107,10 @@ contains
             allocate (fed(n)%position(size(packer%particle), 3))
             do row = 1, size(packer%particle)
                p = packer%particle(row)
-               call materials(inflow%store)%draw_strength(inflow%pattern%state, &
-                  inflow%pattern%identity, p, p)
+               if (allocated(inflow%back)) then
+                  call inflow%find_box(p, low, high)
+                  call materials(inflow%store)%draw_strength(inflow%pattern%state, p, low, high)
+               end if
                call ledger%record_particle(inflow%pattern, materials(inflow%store), p, &
                   [lost_mass, lost_momentum, lost_energy, lost_angular], enters=.true.)
                fed(n)%position(row, :) = inflow%pattern%position(p, :)
