@@ -7,9 +7,24 @@ module base_exact_totals
    implicit none
    private
 
-   public :: totals_over_ranks
+   public :: total_words, totals_over_ranks
 
 contains
+
+   !> Add the words of sums over all ranks; equal sums have equal words on any ranks. Collective.
+   subroutine total_words(communicator, words)
+      type(communicator_t), intent(in) :: communicator
+      integer(int64), contiguous, intent(inout) :: words(:) !! From `save` of each sum
+      type(exact_sum_t) :: sum
+      integer :: first
+
+      call communicator%total(words)
+      ! added words are not carried: a sum that is loaded and saved is
+      do first = 1, size(words), exact_sum_words
+         call sum%load(words(first:first + exact_sum_words - 1))
+         call sum%save(words(first:first + exact_sum_words - 1))
+      end do
+   end subroutine total_words
 
    !> Values of sums over all ranks, each rounded once. Collective.
    subroutine totals_over_ranks(communicator, total, values)

@@ -352,7 +352,8 @@ contains
       sums(4) = share*(4.0_wp*values(4) + 2.0_wp*(values(2) + values(3)) + values(1))
    end function hoop_sums
 
-   !> Index of the integrals of a cell.
+   !> Index of the integrals of a cell. Cells beyond the box, which have no weight, have none of
+   !! their own and get those of the last ones.
    pure integer function column_of(self, grid, coordinate, cell) result(column)
       class(dual_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -360,6 +361,7 @@ contains
       integer, intent(in) :: cell                    !! Cell of the tile, from 0
 
       column = 1
-      if (self%columns > 1) column = 1 + coordinate(1)*grid%width(1) + mod(cell, grid%width(1))
+      if (self%columns > 1) column = min(self%columns, &
+         1 + coordinate(1)*grid%width(1) + mod(cell, grid%width(1)))
    end function column_of
 end module ddmp_dual

@@ -5,7 +5,8 @@
 !! in the same step as a run without a restart.
 module grains_checkpoint
    use base_error, only: error_t, exit_file, fail
-   use base_exact_sum, only: exact_sum_t, exact_sum_words
+   use base_exact_sum, only: exact_sum_words
+   use base_exact_totals, only: total_words
    use base_hash, only: hash_integers, hash_reals, mix
    use base_kinds, only: int64, wp
    use grains_cell, only: cell_t, losses
@@ -74,13 +75,8 @@ contains
       integer, intent(in) :: loss
       integer(int64), intent(out) :: words(exact_sum_words)
 
-      type(exact_sum_t) :: sum
-
       call cell%lost(loss)%save(words)
-      call cell%communicator%total(words)
-      ! a second `save` performs the carries of the sum over ranks
-      call sum%load(words)
-      call sum%save(words)
+      call total_words(cell%communicator, words)
    end subroutine save_lost
 
    !> Store rows of several words.

@@ -2,7 +2,7 @@
 !> Rows of a table that a restart keeps. A file that is not the one that was written before the
 !! checkpoint has lost rows, or has damaged ones: those that can be read are kept.
 module io_table_rows
-   use base_hash, only: hash_text, mix
+   use base_hash, only: add_hash, hash_text, mix
    use base_kinds, only: int64
    use base_text, only: buffer_t, number
    implicit none
@@ -35,7 +35,7 @@ contains
       do
          length = index(text(first:), new_line("a"))
          if (length == 0) return
-         mark(hash) = mix(mark(hash) + hash_text(text(first:first + length - 2)))
+         mark(hash) = mix(add_hash(mark(hash), hash_text(text(first:first + length - 2))))
          if (mark(lines) == 0) mark(heading_hash) = mark(hash)
          mark(lines) = mark(lines) + 1
          mark(bytes) = mark(bytes) + length

@@ -213,7 +213,9 @@ contains
       integer(int64) :: at
       integer :: y, z, node, nodes, margin(3)
 
-      if (boxes%before(tile + 1) - boxes%before(tile) < size(patch, 2)) call clear_patch(patch)
+      ! rows that are not kept are zero too
+      if (boxes%before(tile + 1) - boxes%before(tile) < size(patch, 2) .or. &
+         size(self%row) < size(patch, 1)) call clear_patch(patch)
       margin = merge(grid%margin, 0, grid%active)
       at = size(self%row, kind=int64)*boxes%before(tile)
       associate (low => boxes%box(:, 1, tile), high => boxes%box(:, 2, tile), &

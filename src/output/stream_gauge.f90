@@ -196,7 +196,7 @@ contains
 
       columns = [character(len=heading_length) :: "time [s]", "step", "x [m]", "y [m]", "z [m]", &
          "particles"]
-      columns = [columns, field_columns(self%gauge%means)]
+      columns = [character(len=heading_length) :: columns, field_columns(self%gauge%means)]
    end subroutine gauge_list_columns
 
    !> Find the observed particle, at the first row. Collective.

@@ -87,7 +87,8 @@ contains
       real(wp) :: place(3)
 
       coordinate = 0
-      place = (position - grid%lower)/grid%spacing
+      place = 0.0_wp
+      where (grid%active) place = (position - grid%lower)/grid%spacing
       where (grid%active) coordinate = min(int(max(min(place, real(grid%cells, wp)), 0.0_wp)), &
          grid%cells - 1)/grid%width
    end function tile_of

@@ -7,6 +7,7 @@ module step_ledger
    use base_elementary, only: cross
    use base_error, only: error_t, exit_file, fail
    use base_exact_sum, only: exact_sum_t, exact_sum_words
+   use base_exact_totals, only: total_words
    use base_kinds, only: int64, wp
    use io_state, only: state_t
    use material_type, only: material_t
@@ -479,7 +480,7 @@ contains
       call state%set("ledger_sums", reshape(limbs, [size(limbs)]))
       if (allocated(self%walls%total)) then
          words = self%walls%words()
-         call communicator%total(words)
+         call total_words(communicator, words)
          call state%set("ledger_walls", words)
       end if
       call state%set("ledger_start", [self%start%entry, self%start%total])

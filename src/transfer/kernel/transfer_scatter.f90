@@ -53,12 +53,17 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Factor of edges
 
+      ! gfortran reads the address of an absent factor that is handed on
       if (grid%dimensions == 3) then
-         call space_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
-            factor)
+         if (present(factor)) then
+            call space_dual_force(grid, start, first, local, alpha, volume, stress, patch, factor)
+         else
+            call space_dual_force(grid, start, first, local, alpha, volume, stress, patch)
+         end if
+      else if (present(factor)) then
+         call plane_dual_force(grid, start, first, local, alpha, volume, stress, patch, factor)
       else
-         call plane_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
-            factor)
+         call plane_dual_force(grid, start, first, local, alpha, volume, stress, patch)
       end if
    end subroutine scatter_dual_force
 end module transfer_scatter
