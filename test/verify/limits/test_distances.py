@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How far a front overshoots, and over which distances walls and bodies act that do not touch.
 
-Would catch: a viscosity that damps the front of a shock less than now, a wall that acts from farther away, two bodies
-that pull at each other over a row of empty cells. The first two are known misses, the third for fluids.
+Would catch: a viscosity that damps the front of a shock less than now, pressures of the particles of a cell that are
+not restored behind it, a wall that acts from farther away, two bodies that pull at each other over a row of empty
+cells. Strong shocks, other methods and the wall are known misses.
 
-Shock: aluminium without strength hits a wall at 400 m/s. The exact pressure is that of the Hugoniot; a steady front of
-finite width does not exceed it (target 3 %, the scatter that test_piston.py allows behind it). Without any damping the
-front of a lattice of masses and springs at most doubles the jump: limit 1.
+Shock: aluminium, without strength or with a yield stress of 0.3 GPa, hits a wall. A steady front of finite width does
+not exceed the stress behind it (target 3 %, the scatter that test_piston.py allows there), here its median. Without any
+damping the front of a lattice of masses and springs at most doubles the jump: limit 1.
 Wall: a block moves to a wall at 1 m/s. The target is that of bodies in contact (test_contact.py): a tenth of a cell
 early. The linear function of a node at the wall reaches one cell, so the force cannot begin earlier: limit 1.
 Row: two blocks with a row of empty cells between them move apart. They share no node of a cell that contains material,
 so they do not act on each other, to rounding; blocks that stick together pull at each other with rho c v, v the speed
-of each. In a fluid with normalised sums they do, a known miss; limit 1, that of blocks that stick.
+of each.
 """
 # tiers: full
 
@@ -26,12 +27,12 @@ SHOCK = """
 &time t_end=4e-6 /
 &effects artificial_viscosity=.true. /
 &method {words} /
-&material name='al' density=2785 eos_model='mie_gruneisen' mg_c0=5328 mg_s=1.338 mg_gamma=2.0 elastic='none' /
+&material name='al' density=2785 eos_model='mie_gruneisen' mg_c0=5328 mg_s=1.338 mg_gamma=2.0 {law} /
 &region name='b' shape='box' lo=0,0,0 hi=0.05,1e-4,1e-4 /
-&body name='b' region='b' material='al' ppc=2,1,1 velocity=-400,0,0 /
+&body name='b' region='b' material='al' ppc=2,1,1 velocity=-{speed},0,0 /
 &boundary face='xlo' type='slip' /
 &boundary face='xhi' type='outflow' /
-&output name='p' kind='particles' count=4 fields='pressure' /
+&output name='p' kind='particles' count=4 fields='stress' /
 """
 WALL = """
 &run dimension='plane_strain' method='{method}' /
@@ -58,19 +59,46 @@ ROW = """
 """
 YOUNG, POISSON = 1.0e6, 0.3
 PULL = 1000.0 * np.sqrt(YOUNG * (1.0 - POISSON) / (1000.0 * (1.0 + POISSON) * (1.0 - 2.0 * POISSON)))   # rho c v [Pa]
-BEHIND = 2785.0 * (5328.0 + 1.338 * 400.0) * 400.0                # rho (c0 + s v) v [Pa]
 
 
-@pytest.mark.parametrize("name, method, words", [("default", "ddmp", ""), ("q1_0.06", "ddmp", "bulk_q1=0.06"),
+FLUID, SOLID = "elastic='none'", "shear=27.6e9 strength_model='von_mises' yield=0.3e9"
+# those that meet the target; the others are known misses
+DAMPED = {("fluid", 100), ("fluid", 400), ("solid", 100), ("solid", 400)}
+
+
+def overshoot(options, name, speed, law, method="ddmp", words=""):
+    """The greatest stress of a shock over that behind its front, less 1; the median there over the Hugoniot."""
+    run = case.Case(options, name, SHOCK.format(method=method, words=words, law=law, speed=speed)).run("-q")
+    stress = [-snap.fields["stress"][:, 0] for time, snap in run.snapshots() if time > 0.0]
+    behind = float(np.median(stress[-1][stress[-1] > 0.5 * stress[-1].max()]))
+    return max(one.max() for one in stress) / behind - 1.0, behind / (2785.0 * (5328.0 + 1.338 * speed) * speed)
+
+
+@pytest.mark.parametrize("law", ["fluid", "solid"])
+@pytest.mark.parametrize("speed", [100, 400, 1000, 3350])
+def test_overshoot(options, sheet, law, speed):
+    """By default, at several speeds."""
+    name = f"{law} at {speed} m/s"
+    greatest, behind = overshoot(options, f"{law}_{speed}", speed, FLUID if law == "fluid" else SOLID)
+    high = 1.02 if law == "fluid" else 1.25
+    sheet.require(0.98 < behind < high, f"{name}: the stress is that of the shock: {behind:.3f}")
+    if (law, speed) in DAMPED:
+        sheet.below(f"{name}: greatest stress over that behind the front, less 1", greatest, 0.03)
+    else:
+        sheet.known(f"{name}: greatest stress over that behind the front, less 1", greatest, limit=1.0, target=0.03)
+
+
+@pytest.mark.parametrize("name, method, words", [("q1_0.06", "ddmp", "bulk_q1=0.06"),
                                                  ("q1_0.5", "ddmp", "bulk_q1=0.5"), ("mpm", "mpm", "")])
-def test_overshoot(options, sheet, name, method, words):
-    """The greatest pressure of a shock, over that behind it."""
-    run = case.Case(options, name, SHOCK.format(method=method, words=words)).run("-q")
-    greatest = max(snap.fields["pressure"].max() for time, snap in run.snapshots() if time > 0.0) / BEHIND - 1.0
-    last = run.snapshots()[-1][1].fields["pressure"]
-    middle = float(np.median(last[last > 0.5 * BEHIND])) / BEHIND
-    sheet.require(0.9 < middle < 1.1, f"the median behind the front is that of the shock: {middle:.3f}")
-    sheet.known(f"shock, {name}: greatest pressure over that behind it, less 1", greatest, limit=1.0, target=0.03)
+def test_other_methods(options, sheet, name, method, words):
+    """With other coefficients and without a dual gradient."""
+    greatest, behind = overshoot(options, name, 400, FLUID, method, words)
+    sheet.require(0.9 < behind < 1.1, f"the median behind the front is that of the shock: {behind:.3f}")
+    title = f"shock, {name}: greatest stress over that behind the front, less 1"
+    if name == "q1_0.5":
+        sheet.below(title, greatest, 0.03)
+    else:
+        sheet.known(title, greatest, limit=1.0, target=0.03)
 
 
 @pytest.mark.parametrize("method", ["ddmp", "mpm"])
@@ -96,9 +124,9 @@ def test_row(options, sheet, rows):
 
 
 def test_fluid_row(options, sheet):
-    """The same for a fluid, whose sums are normalised, over one empty row."""
+    """The same for a fluid with an internal energy, over one empty row."""
     moduli = "eos_model='mie_gruneisen' mg_c0=31.6228 mg_s=1.3 mg_gamma=2"
     run = case.Case(options, "fluid", ROW.format(low=0.1, high=0.5, effects="strength=.false.",
                                                  moduli=moduli)).run("-q")
     pull = max(np.abs(snap.fields["stress"]).max() for _, snap in run.snapshots()) / np.sqrt(1000.0 * 1.0e6)
-    sheet.known("fluid, one empty row: tension over rho c v", pull, limit=1.0, target=1.0e-9)
+    sheet.below("fluid, one empty row: tension over rho c v", pull, 1.0e-9)
