@@ -83,7 +83,7 @@ def test_ballistic_limit(options):
     that bound it. With the coarsest cells and four of the speeds."""
     script, = blocks("ballistic_limit", "python")
     for line, shorter in (("CELLS = (1.5, 1.0, 0.75)", "CELLS = (1.5,)"),
-                          ("SPEEDS = (80, 100, 120, 140, 170, 220, 300, 400)", "SPEEDS = (100, 140, 170, 300)")):
+                          ("SPEEDS = (120, 140, 160, 180, 200, 220, 300, 400)", "SPEEDS = (160, 180, 220, 300)")):
         assert line in script
         script = script.replace(line, shorter)
     (options.work / "limit.py").write_text(script, encoding="utf-8")
@@ -93,5 +93,5 @@ def test_ballistic_limit(options):
                             text=True, check=False)
     assert answer.returncode == 0, answer.stdout[-2000:] + answer.stderr[-2000:]
     limit, least, most = map(float, re.search(r"limit (\d+) m/s.*between (\d+) and (\d+) m/s", answer.stdout).groups())
-    assert least == 100 and most == 140 and least < limit < 1.1 * most, answer.stdout
+    assert least == 180 and most == 220 and least < limit < 1.1 * most, answer.stdout
     assert (options.work / "limit.png").is_file()
