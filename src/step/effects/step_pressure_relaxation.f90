@@ -20,6 +20,9 @@ module step_pressure_relaxation
    public :: relaxes_pressure, has_normalised_sums, relax_pressures, relaxation_pace
 
    real(wp), parameter :: most = 0.05_wp             !! Relative change in a step [1]
+   !> Greatest ratio of the compliances of particles in one state of the material: expanded particles
+   !! beside dense ones do not share a pressure, and would grow without bound [1]
+   real(wp), parameter :: alike = 4.0_wp
    !> Fraction of a difference that decays in the time that a signal needs for a cell. Normalised
    !! sums make differences wherever the strain is large; to end them at once would move volume
    !! against strong gradients: that of an explosion then changes by 0.7 instead of 0.2 % [1]
@@ -113,6 +116,7 @@ contains
          excess(p) = -(stress(q, 1) + stress(q, 2) + stress(q, 3))/3.0_wp
          seen(p) = local(p, 1)*slope(1) + local(p, 2)*slope(2) + local(p, 3)*slope(3)
       end do
+      if (maxval(soft) > alike*minval(soft)) return
       whole = sum(soft)
       mean = sum(soft*excess)/whole
       excess = excess - mean
