@@ -20,7 +20,7 @@ module step_pressure_relaxation
    public :: relaxes_pressure, has_normalised_sums, relax_pressures, relaxation_pace
 
    real(wp), parameter :: most = 0.05_wp             !! Relative change in a step [1]
-   !> Greatest ratio of the compliances of particles in one state of the material: expanded particles
+   !> Greatest ratio of the stiffness of particles in one state of the material: expanded particles
    !! beside dense ones do not share a pressure, and would grow without bound [1]
    real(wp), parameter :: alike = 4.0_wp
    !> Fraction of a difference that decays in the time that a signal needs for a cell. Normalised
@@ -104,7 +104,7 @@ contains
       real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! (particle, 6) [Pa]
       real(wp) :: soft(low:high), excess(low:high), seen(low:high), mean, whole, share, change
-      real(wp) :: steepest
+      real(wp) :: steepest, stiff(low:high)
       integer :: p, q
 
       ! volume over the stiffness against its change; material with zero wave speed has no pressure
@@ -112,11 +112,12 @@ contains
       if (.not. minval(speed(low:high)) > 0.0_wp) return
       do p = low, high
          q = before + p
-         soft(p) = volume(q)**2/(mass(q)*speed(p)**2)
+         stiff(p) = mass(q)/volume(q)*speed(p)**2
+         soft(p) = volume(q)/stiff(p)
          excess(p) = -(stress(q, 1) + stress(q, 2) + stress(q, 3))/3.0_wp
          seen(p) = local(p, 1)*slope(1) + local(p, 2)*slope(2) + local(p, 3)*slope(3)
       end do
-      if (maxval(soft) > alike*minval(soft)) return
+      if (maxval(stiff) > alike*minval(stiff)) return
       whole = sum(soft)
       mean = sum(soft*excess)/whole
       excess = excess - mean
