@@ -62,7 +62,8 @@ def test_hot_gas(options, sheet):
     Without artificial viscosity, because with it no step needs to be repeated.
     """
     deck = HOT.format(method="ddmp", light=100, energy=1.0e9, speed=0, end=2.2e-3, time="")
-    good = case.Case(options, "hot_with", deck.replace("&effects", "&method  bulk_q1=0  bulk_q2=0 /\n&effects")).run("-q")
+    deck = deck.replace("&effects", "&method  bulk_q1=0  bulk_q2=0 /\n&effects")
+    good = case.Case(options, "hot_with", deck).run("-q")
     counts, ledger = good.summary["steps_limited_by"], good.summary["ledger"]
     sheet.above("hot gas: steps done again", counts["retry"], 1)
     sheet.require(sum(counts.values()) == good.summary["steps"], f"hot gas: all steps: {counts}")
