@@ -13,11 +13,8 @@ to 1e-9, the target. Work and lost energy of the node of smallest mass are p2 dt
 possible error of the energy; the limit is ten times that. For a node with less than 1e-12 of the mass (1e-4 of a cell
 in 3-D) this is more than the target, and the energy of the particle is inaccurate: a known miss.
 
-One of the grains ends up to 14 % faster than any was at the start. It is at the edge of the wall when the grain
-behind it compresses it to 65 GPa, and escapes past the edge: its lateral speed of 5.3 km/s is the release of that
-pressure. Its final speed depends on its position at that moment: 1.02 with cfl = 0.2 or transfer = 'flip', 1.01 with
-APIC, 1.12 with stress_update = 'musl'. The target is 1.05, a known miss held
-at 1.41: no grain may have more than twice its energy.
+A grain at the edge of the wall that the grain behind it compresses to 65 GPa escapes past the edge: its lateral speed
+of 5.3 km/s is the release of that pressure. Its final speed depends on its position at that moment. Limit 1.05.
 """
 # timeout: 120
 
@@ -120,6 +117,6 @@ def test_spray(options, sheet):
     sheet.require(table["kinetic"][-1] + table["lost_energy"][-1] < 0.9 * table["kinetic"][0],
                   f"{name}: it meets the wall")
     sheet.require(np.isfinite(last.fields["velocity"]).all(), f"{name}: numbers")
-    sheet.known(f"{name}: greatest speed over that of the grains", greatest / top, limit=2.0 ** 0.5, target=1.05)
+    sheet.below(f"{name}: greatest speed over that of the grains", greatest / top, 1.05)
     sheet.below(f"{name}: momentum", ledger["momentum_error"], 1.0e-12)
     sheet.below(f"{name}: energy", ledger["energy_error"], 1.0e-10)

@@ -36,7 +36,7 @@ module step_method
       logical :: even = .false.                      !! Even dilatation in a cell?
       logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
       logical :: limited = .false.                   !! Does viscosity resist jumps only?
-      real(wp) :: slack = 1.0_wp                     !! Slope that counts as smooth (V.1) [1]
+      real(wp) :: slack = 1.0_wp                     !! Factor of the viscosity limiter [1]
       real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
       type(splitting_t), allocatable :: splitting    !! Criterion for halving long particles
       class(velocity_t), allocatable :: transfer     !! Velocity transfer

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Relaxes pressure differences between the particles of a cell that nodes do not resolve.
 !!
-!! Particles that cross a shock at different places of their cell, or that normalised sums strain by
-!! more or less than their neighbours, have different pressures. Nodes do not resolve differences
+!! Particles that cross a shock at different positions in their cell, or that normalised sums strain
+!! by more or less than their neighbours, have different pressures. Nodes do not resolve differences
 !! between particles of a cell beyond a slope, so nothing restores them. Waves would do so within
 !! the time that a signal needs for a cell: particles of higher pressure expand against those of
 !! lower pressure, with the same sums of volume and energy. Entropy can only grow by this, and a
-!! linear pressure field does not change. Equations (Q.10) to (Q.12) of doc/theory/quadratures.md.
+!! linear pressure field does not change. Equations (Q.10), (Q.11) and (Q.12) of
+!! doc/theory/quadratures.md.
 module step_pressure_relaxation
    use base_elementary, only: exponential
    use base_kinds, only: wp
