@@ -48,7 +48,7 @@ SCENES = {
                          f"{WEAK}  failed_as='drucker_prager'  failed_friction_angle=30", WEAK, "",
                          "split=.true.  split_at=0.51", CRACK),
     "contact": ("contact=.true.", RUBBER, f"{RUBBER}  strength_model='neo_hookean'", "", "", f"{PAIR}\n{RIGID}"),
-    "erosion": ("damage=.true.  erosion=.true.  size_scatter=.true.", f"{WEAK}  weibull_m=6", RUBBER, "",
+    "erosion": ("damage=.true.  erosion=.true.  size_scatter=.true.", f"{WEAK}  weibull_m=6  weibull_volume=1e-3", RUBBER, "",
                 "split=.true.  split_at=0.51", LOAD),
     "rigid": ("damping=3", RUBBER, RUBBER, "", "", f"{RIGID}\n{LOAD}"),
     "inflow": ("damage=.true.", RUBBER, f"{WEAK}  failure_delay=1e-3", "", "",

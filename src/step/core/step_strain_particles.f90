@@ -14,7 +14,7 @@ module step_strain_particles
    use step_node_fields, only: gradient_rows
    use step_node_view, only: view_t
    use step_pressure_relaxation, only: has_normalised_sums, relax_pressures, &
-      relaxation_pace, relaxes_pressure
+      relaxation_of, relaxes_pressure
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_strain_average, only: average_strain, keep_earlier
    use transfer_affine, only: keep_affine
@@ -79,9 +79,10 @@ contains
             deformation%gradient, deformation%jump)
          call scratch%laps%update(simulation%materials(index), store%state, deformation, first, &
             first + n - 1, dt, grid%spacing)
-         if (relaxes_pressure(method, store)) call relax_pressures(grid, store, tile, &
-            scratch%shape%local, deformation%wave_speed, motion%acceleration(:, :, view%slot), &
-            relaxation_pace(scheme, index)*dt, simulation%effects%gravity)
+         if (relaxes_pressure(method, store)) call relax_pressures(relaxation_of(scheme, &
+            simulation%materials(index), index, dt), grid, store, tile, scratch%shape%local, &
+            deformation%wave_speed, motion%acceleration(:, :, view%slot), &
+            simulation%effects%gravity)
          fastest = 0.0_wp
          do p = 1, n
             fastest = max(fastest, deformation%wave_speed(p) &

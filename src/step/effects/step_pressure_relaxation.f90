@@ -11,6 +11,8 @@
 module step_pressure_relaxation
    use base_elementary, only: exponential
    use base_kinds, only: wp
+   use material_kinds, only: is_gas
+   use material_type, only: material_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
    use step_method, only: method_t
@@ -18,7 +20,8 @@ module step_pressure_relaxation
    implicit none
    private
 
-   public :: relaxes_pressure, has_normalised_sums, relax_pressures, relaxation_pace
+   public :: relaxes_pressure, has_normalised_sums, relax_pressures, relaxation_of, &
+      relaxation_t
 
    real(wp), parameter :: most = 0.05_wp             !! Relative change in a step [1]
    !> Greatest ratio of the stiffness of particles in one state of the material: expanded particles
@@ -28,6 +31,12 @@ module step_pressure_relaxation
    !! sums make differences wherever the strain is large; to end them at once would move volume
    !! against strong gradients: that of an explosion then changes by 0.7 instead of 0.2 % [1]
    real(wp), parameter :: pace = 1.0_wp, gentle = 0.2_wp
+
+   !> How the pressures of a material relax in a step.
+   type :: relaxation_t
+      real(wp) :: time = 0.0_wp                      !! Time step times the pace [s]
+      real(wp) :: reserve = 0.0_wp !! Energy of condensed material at its arbitrary zero [J/kg]
+   end type relaxation_t
 
 contains
 
@@ -40,13 +49,22 @@ contains
       yes = method%dual .and. method%leapfrog .and. allocated(store%state%energy)
    end function relaxes_pressure
 
-   !> Fraction of a pressure difference that decays in the time that a signal needs for a cell [1]
-   pure real(wp) function relaxation_pace(scheme, index) result(fraction)
+   !> How the pressures of a material relax in a step; those of gases with plain sums do not: on an
+   !! axis, where these sums are wrong, particles would shrink without bound.
+   pure function relaxation_of(scheme, material, index, dt) result(relaxation)
       type(scheme_t), intent(in) :: scheme
+      type(material_t), intent(in) :: material
       integer, intent(in) :: index                   !! Index of the material and of its store
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(relaxation_t) :: relaxation
 
-      fraction = merge(gentle, pace, has_normalised_sums(scheme, index))
-   end function relaxation_pace
+      if (has_normalised_sums(scheme, index)) then
+         relaxation%time = dt*gentle
+      else if (.not. is_gas(material)) then
+         relaxation%time = dt*pace
+         relaxation%reserve = material%reference_speed()**2
+      end if
+   end function relaxation_of
 
    !> Are the sums of a material normalised?
    pure logical function has_normalised_sums(scheme, index) result(yes)
@@ -59,18 +77,19 @@ contains
 
    !> Relax the pressures of the particles of a tile towards the mean of their cell and the slope
    !! that accelerates its nodes.
-   subroutine relax_pressures(grid, store, tile, local, speed, acceleration, dt, gravity)
+   subroutine relax_pressures(relaxation, grid, store, tile, local, speed, acceleration, gravity)
+      type(relaxation_t), intent(in) :: relaxation
       type(grid_t), intent(in) :: grid
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Wave speed [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp), intent(in) :: dt                     !! Time step times the pace [s]
       real(wp), intent(in), optional :: gravity(:)   !! (3) Part that no stress makes [m/s2]
       real(wp) :: slope(3)
       integer :: cell, before, low, high, lane, lanes
 
+      if (.not. relaxation%time > 0.0_wp) return
       before = store%first(tile) - 1
       lanes = 2**grid%dimensions
       do cell = 0, grid%tile_cells - 1
@@ -85,13 +104,14 @@ contains
          if (present(gravity)) slope = slope + gravity
          slope = slope*grid%spacing*sum(store%state%mass(before + low:before + high)) &
             /sum(store%state%volume(before + low:before + high))
-         call relax_cell(before, low, high, local, speed, slope, dt/grid%spacing, &
-            store%state%mass, store%state%volume, store%state%energy, store%state%stress)
+         call relax_cell(before, low, high, local, speed, slope, &
+            relaxation_t(relaxation%time/grid%spacing, relaxation%reserve), store%state%mass, &
+            store%state%volume, store%state%energy, store%state%stress)
       end do
    end subroutine relax_pressures
 
    !> The particles of one cell.
-   pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, &
+   pure subroutine relax_cell(before, low, high, local, speed, slope, relaxation, mass, volume, &
       energy, stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
       integer, intent(in) :: low                     !! First particle of the cell, in the tile
@@ -99,7 +119,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Wave speed [m/s]
       real(wp), intent(in) :: slope(3)               !! Slope of the pressure, per cell [Pa]
-      real(wp), intent(in) :: rate                   !! Time step over the cell [s/m]
+      type(relaxation_t), intent(in) :: relaxation   !! Its time is that over the cell [s/m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
       real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]
@@ -127,14 +147,14 @@ contains
       share = sum(soft*seen**2)
       if (share > 0.0_wp) excess = excess &
          - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
-      share = 1.0_wp - exponential(-rate*maxval(speed(low:high)))
+      share = 1.0_wp - exponential(-relaxation%time*maxval(speed(low:high)))
       steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
       ! expansion work comes from the energy of the particle, which is small in thin gas near a
-      ! shock; the energy of condensed material has no natural zero, and c**2 is greater
+      ! shock; that of condensed material has no natural zero
       do p = low, high
          q = before + p
          if (excess(p)*mean > 0.0_wp) steepest = max(steepest, soft(p)*excess(p)*mean &
-            /(mass(q)*max(energy(q), speed(p)**2)))
+            /(mass(q)*max(energy(q) + relaxation%reserve, tiny(mean))))
       end do
       if (share*steepest > most) share = most/steepest
       do p = low, high
