@@ -88,17 +88,17 @@ def test_overshoot(options, sheet, law, speed):
         sheet.known(f"{name}: greatest stress over that behind the front, less 1", greatest, limit=1.0, target=0.03)
 
 
-@pytest.mark.parametrize("name, method, words", [("q1_0.06", "ddmp", "bulk_q1=0.06"),
-                                                 ("q1_0.5", "ddmp", "bulk_q1=0.5"), ("mpm", "mpm", "")])
-def test_other_methods(options, sheet, name, method, words):
+def test_other_methods(options, sheet):
     """With other coefficients and without a dual gradient."""
-    greatest, behind = overshoot(options, name, 400, FLUID, method, words)
-    sheet.require(0.9 < behind < 1.1, f"the median behind the front is that of the shock: {behind:.3f}")
-    title = f"shock, {name}: greatest stress over that behind the front, less 1"
-    if name == "q1_0.5":
-        sheet.below(title, greatest, 0.03)
-    else:
-        sheet.below(title, greatest, 1.0)
+    over = {}
+    for name, method, words in (("q1_0.06", "ddmp", "bulk_q1=0.06"), ("q1_0.5", "ddmp", "bulk_q1=0.5"),
+                                ("mpm", "mpm", "")):
+        over[name], behind = overshoot(options, name, 400, FLUID, method, words)
+        sheet.require(0.9 < behind < 1.1, f"{name}: the median behind the front is that of the shock: {behind:.3f}")
+        sheet.note(f"shock, {name}: greatest stress over that behind the front, less 1", over[name])
+    sheet.below("shock, q1_0.5: overshoot", over["q1_0.5"], 0.03)
+    sheet.known("shock, q1_0.06 and mpm: overshoot, the worst", max(over["q1_0.06"], over["mpm"]), limit=1.0,
+                target=0.03)
 
 
 @pytest.mark.parametrize("method", ["ddmp", "mpm"])
