@@ -109,8 +109,10 @@ contains
    pure logical function is_gas(material) result(yes)
       type(material_t), intent(in) :: material
 
-      yes = is_fluid(material) .and. material%carries_energy() .and. &
-         (allocated(material%burn) .or. .not. material%reference_speed() > 0.0_wp)
+      yes = is_fluid(material) .and. material%carries_energy()
+      if (.not. yes .or. allocated(material%burn)) return
+      yes = allocated(material%eos)
+      if (yes) yes = material%eos%is_gas()
    end function is_gas
 
    !> True if all materials store the work of strain reversibly: no flow, failure or heat.

@@ -40,6 +40,7 @@ module eos_table
       procedure :: find_temperature => table_find_temperature !! From density and energy
       procedure :: starts_with_energy => table_starts_with_energy !! Returns true
       procedure :: start_energy => table_start_energy !! That of the temperature
+      procedure :: is_gas => table_is_gas            !! From pressure and stiffness of the reference
       procedure :: report => table_report            !! Extent and inconsistency
       procedure :: fault_of_state => table_fault_of_state !! Why a state has no pressure
    end type eos_table_t
@@ -215,6 +216,20 @@ contains
       if (present(temperature)) warmth = temperature
       energy = self%table%energy_of(self%density, warmth)
    end function table_start_energy
+
+   !> A gas holds its density by its pressure, of which the bulk modulus of the reference state is
+   !! a small multiple (the heat capacity ratio, if it is ideal); in liquids and solids that
+   !! multiple is thousands, or the pressure is 0.
+   pure logical function table_is_gas(self) result(is_gas)
+      class(eos_table_t), intent(in) :: self
+      real(wp), parameter :: most = 10.0_wp          !! Of the bulk modulus over the pressure [1]
+      real(wp) :: pressure, square
+
+      is_gas = .false.
+      if (.not. self%bulk > 0.0_wp) return
+      call find_state(self, self%density, self%start_energy(), pressure, square)
+      is_gas = self%bulk < most*pressure
+   end function table_is_gas
 
    !> Range of the table, its pressure in the reference state, and its inconsistency.
    function table_report(self) result(text)

@@ -37,6 +37,7 @@ module material_eos
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
       procedure :: report => eos_report              !! Note for the user
       procedure :: fault_of_state => eos_fault_of_state !! Why a state has no pressure
+      procedure :: is_gas => eos_is_gas              !! True without cohesion at zero energy
       procedure :: detonates => eos_detonates        !! True for the products of an explosive
       procedure :: detonation => eos_detonation      !! Speed, and volume behind the front
       !> Chapman-Jouguet speed of the products
@@ -187,6 +188,13 @@ contains
 
       energy = 0.0_wp
    end function eos_start_energy
+
+   !> True for a gas: the reference state, without energy, has no stiffness.
+   pure logical function eos_is_gas(self) result(is_gas)
+      class(eos_t), intent(in) :: self
+
+      is_gas = .not. self%bulk > 0.0_wp
+   end function eos_is_gas
 
    !> True if the equation of state is that of the products of an explosive.
    pure logical function eos_detonates(self) result(does)
