@@ -27,7 +27,7 @@ USED = 0.9      # fraction of the time of the cores that tests use; the rest is 
 # Greatest duration of the tests of a tier on that machine [s], according to the list of costs; test/gate/test_costs.py
 # checks it. The smoke tier leaves a minute of the four of scripts/test.sh for the build of the tests.
 LIMITS = {"smoke": 180.0, "full": 1500.0}
-MINUTES = 34.0  # time for the tests with --long-share: setup and build take 5 to 6 minutes of the 40 of .ci/run
+MINUTES = 32.0  # time for the tests with --long-share: setup and build take 5 to 6 minutes of the 40 of .ci/run
 DAY = 86400
 UNKNOWN = 0.0   # cost of a test that was never recorded
 

@@ -13,7 +13,7 @@
 #
 #   --long-share [K]  also run a group of long tests that end in the remaining time; K is
 #                     the number of the group (default: the next one every day)
-#   --minutes N       time limit for all tests with --long-share (default 34)
+#   --minutes N       time limit for all tests with --long-share (default 32)
 #   --debug           build and test the Debug build, with bounds and floating point checks
 #   --setup           install missing packages of the system, as root or with sudo
 #   --no-setup        do not look for missing packages, and leave build/venv as it is
