@@ -4,11 +4,10 @@
 # cores: 2
 """Statistics of scree-post fragments: rotation and shape, bonds, distributions, comparisons, ensembles of seeds.
 
-Snapshots with known answers; the last test runs a small bar with two cell sizes. The first line of each test states which
-bug it would catch.
+Snapshots with known answers; the last tests run a small bar with two cell sizes. The first line of each test states
+which bug it would catch.
 """
 
-import json
 import math
 
 import numpy as np
@@ -26,7 +25,7 @@ STEP = 1.0e-3            # width of a particle [m]
 TITLES = [title.split(" [")[0] for title in COLUMNS]
 BAR = """
 &run  dimension='1d' /
-&grid  lo=-1.001,0,0  hi=1.001,0.01,0.01  dx=4e-3 /
+&grid  lo=-1.001,0,0  hi=1.001,0.01,0.01  dx=3.64e-3 /
 &time  t_end=80e-6 /
 &effects  damage=.true.  size_scatter=.true. /
 &material  name='glass'  density=2500  young=70e9  poisson=0  damage_model='principal_stress'
@@ -45,7 +44,7 @@ def block(corner, cells):
 
 
 def snap_of(path, points, dimension="3d", symmetry="", time=1.0e-6, echo="", **fields):
-    """A snapshot of particles of one width; fields that are not given are those of intact matter of one body at rest."""
+    """A snapshot of particles of one width; fields not given are those of intact matter of one body at rest."""
     count = len(points)
     volume = 2.0 * math.pi * points[:, 0] * STEP ** 2 if dimension == "axisymmetric" else np.full(count, STEP ** 3)
     if dimension == "plane_strain":
@@ -68,6 +67,11 @@ def vector(row, name):
     return np.array([row[f"{name}_{axis}"] for axis in "xyz"])
 
 
+def lengths(row):
+    """Lengths of the axes of a row."""
+    return [row[f"axis_{number}"] for number in (1, 2, 3)]
+
+
 def turned(axis, angle):
     """Matrix of a rotation."""
     from scipy.spatial.transform import Rotation
@@ -75,7 +79,7 @@ def turned(axis, angle):
 
 
 def test_spin(options):
-    """Spin of the orbit counted as rotation, inertia of the wrong axis, infinite spin of a single particle or a line."""
+    """Spin of the orbit counted as rotation, inertia of the wrong axis, infinite spin of a particle or a line."""
     spin, speed = np.array([30.0, -20.0, 50.0]), np.array([100.0, 20.0, -5.0])
     points = block((0.01, 0.02, 0.03), (6, 3, 2)) @ turned((1, 2, 3), 0.7).T
     middle = points.mean(axis=0)
@@ -97,23 +101,23 @@ def test_spin(options):
 
 
 def test_axes(options):
-    """Axes without the size of the particles, in the wrong order or of the wrong direction; a temperature of numbers."""
+    """Axes without the size of the particles, in the wrong order or of the wrong direction; a wrong temperature."""
     box, turn = (7, 4, 2), turned((3, -1, 2), 0.9)
     points = block((0, 0, 0), box) @ turn.T
     warm = np.linspace(300.0, 500.0, len(points))
     found = fragment_table.fragments_of(snap_of(options.work / "a.hdf", points, temperature=warm))
     row = row_of(found)
     # second moment of a box of edge a: a^2/12; of an ellipsoid of length l: l^2/20
-    assert np.allclose([row["axis_1"], row["axis_2"], row["axis_3"]], STEP * math.sqrt(20 / 12) * np.array(box), rtol=1e-6)
-    assert abs(abs(vector(row, "long") @ turn[:, 0]) - 1.0) < 1e-9 and abs(abs(vector(row, "short") @ turn[:, 2]) - 1) < 1e-9
+    assert np.allclose(lengths(row), STEP * math.sqrt(20 / 12) * np.array(box), rtol=1e-6)
+    assert abs(abs(vector(row, "long") @ turn[:, 0]) - 1.0) < 1e-9
+    assert abs(abs(vector(row, "short") @ turn[:, 2]) - 1.0) < 1e-9
     assert abs(row["temperature"] - warm.mean()) < 1e-4
     one = row_of(fragment_table.fragments_of(snap_of(options.work / "a.hdf", block((0, 0, 0), (1, 1, 1)))))
     assert abs(one["axis_3"] - STEP * math.sqrt(20 / 12)) < 1e-9 and math.isnan(one["temperature"])
     flat = block((1e-3, 0, 0), (3, 1, 6)) * (1, 0, 1)    # near the axis, where rings of the same width differ in mass
     for dimension in ("plane_strain", "axisymmetric"):
         row = row_of(fragment_table.fragments_of(snap_of(options.work / "a.hdf", flat, dimension)))
-        assert np.allclose([row["axis_1"], row["axis_2"], row["axis_3"]], STEP * math.sqrt(16 / 12) * np.array((6, 3, 0)),
-                           rtol=1e-6), f"{dimension}: {row}"
+        assert np.allclose(lengths(row), STEP * math.sqrt(16 / 12) * np.array((6, 3, 0)), rtol=1e-6), dimension
         assert np.allclose(vector(row, "long"), (0, 0, 1)) and np.allclose(vector(row, "short"), (1, 0, 0))
 
 
@@ -138,9 +142,9 @@ def test_bonds(options):
     assert sizes(fragment_table.fragments_of(later(points))) == [63], "by distance they are one"
     found = fragment_table.fragments_of(later(points), bonds=bonds)
     assert sizes(found) == [36, 27] and "bonds" in found.note
-    moved = points.copy()                                # the upper layers of the first body are now at its side
+    moved = points.copy()                                # the upper layers of the first body are now at its edge
     upper = np.flatnonzero((body == 1) & (points[:, 2] > 2 * STEP))
-    moved[upper] += (3 * STEP, 0, -2 * STEP)
+    moved[upper] += (3 * STEP, 3 * STEP, -2 * STEP)
     assert sizes(fragment_table.fragments_of(later(moved))) == [36, 27]
     assert sizes(fragment_table.fragments_of(later(moved), bonds=bonds)) == [27, 18, 18]
     stretched = points * 1.9                             # apart by less than the limit: one piece, if nothing else
@@ -199,14 +203,14 @@ def drawn(masses, particle, total=None):
 
 
 def test_fits(options, sheet):
-    """Fragments below the limit that are fitted, a likelihood of the wrong sample, a probability that is always large."""
+    """Fragments below the limit that are fitted, a wrong likelihood, a probability that is always large."""
     random, least = np.random.default_rng(7), 0.2
-    sample = random.exponential(2.0, 2000)
+    sample = random.exponential(2.0, 500)
     found = {one.name: one for one in fragment_curves.fits(np.sort(sample[sample >= least]), least)}
     count = np.count_nonzero(sample >= least)
     sheet.below("scale of an exponential sample, in standard errors",
                 abs(found["exponential"].scale / 2.0 - 1.0) * math.sqrt(count), 3.0)
-    sheet.below("exponent of Weibull", abs(found["Weibull"].shape - 1.0), 0.1)
+    sheet.below("exponent of Weibull", abs(found["Weibull"].shape - 1.0), 0.2)
     sheet.above("p of the exponential", found["exponential"].probability, 0.05)
     for name in ("Mott", "power law"):
         sheet.below(f"p of {name}", found[name].probability, 0.01)
@@ -225,7 +229,7 @@ def test_fits(options, sheet):
     one = fragment_curves.fit("Weibull", sample, least, None)
     sheet.below("Weibull: exponent and scale of another search", max(abs(one.shape / best.x[0] - 1.0), abs(
         one.scale / best.x[1] - 1.0)), 1.0e-4)
-    sheet.near("its Akaike criterion", one.aic, 2.0 * best.fun + 4.0 + 2.0 * len(sample) * math.log(least), 1.0e-4)
+    sheet.near("its Akaike criterion", one.aic, 2.0 * best.fun + 4.0 - 2.0 * len(sample) * math.log(least), 1.0e-4)
     alpha = fragment_curves.fit("power law", least * (1.0 - random.uniform(size=500)) ** (-1 / 1.7), least, 0.0)
     sheet.below("exponent of a power law, in standard errors", abs(alpha.scale / 1.7 - 1.0) * math.sqrt(500), 3.0)
     sheet.require(fragment_curves.fits(np.ones(9), 0.5) == [], "nine fragments are not fitted")
@@ -267,8 +271,8 @@ def bars(file_options):
     """A bar run with three seeds and two cell sizes by the command."""
     deck = file_options.work / "bar.nml"
     deck.write_text(BAR, encoding="utf-8")
-    words = ("fragments", deck, "--seeds", "3", "--set", "grid.dx=4e-3,3e-3", "--bonds", "--outdir", file_options.work / "out",
-             "--fit")
+    words = ("fragments", deck, "--seeds", "3", "--set", "grid.dx=3.64e-3,2.6e-3", "--bonds", "--fit", "--outdir",
+             file_options.work / "out")
     answer = call(*words)
     assert answer.returncode == 0 and not answer.stderr, f"{answer.stdout} {answer.stderr}"
     return file_options, words, answer.stdout
@@ -278,7 +282,7 @@ def test_ensemble(bars):
     """Fragments of other runs or times, seeds that are not used, runs repeated, halves of a bar joined by chance."""
     options, words, text = bars
     base = options.work / "out" / "bar_seeds"
-    for dx in ("4e-3", "3e-3"):
+    for dx in ("3.64e-3", "2.6e-3"):
         table = scree_post.history(str(base / f"bar_dx_{dx}_seeds.csv"))
         assert list(table["seed"]) == [1, 2, 3] and len(set(table["largest"])) == 3, "seeds give other bars"
         every = scree_post.history(str(base / f"bar_dx_{dx}_pieces.csv"))
@@ -293,7 +297,7 @@ def test_ensemble(bars):
             assert abs(table["largest"][row] / heaviest - 1.0) < 1e-6
             assert np.count_nonzero(every["seed"] == seed) == len(begins)
     assert text.count("done ") == 6 and "The distributions of the masses" in text and "Mott" in text
-    assert (base / "bar_dx_4e-3_pieces.png").stat().st_size > 20000
+    assert (base / "bar_dx_3.64e-3_pieces.png").stat().st_size > 20000
     again = call(*words)
     assert again.returncode == 0 and again.stdout.count("there ") == 6 and "done " not in again.stdout
     assert again.stdout.split("bar, dx")[-1] == text.split("bar, dx")[-1]
@@ -302,13 +306,13 @@ def test_ensemble(bars):
 def test_command(bars):
     """History without a snapshot, a comparison of a run with itself that differs, traceback for wrong options."""
     options, _, _ = bars
-    one, two = (options.work / "out" / "bar_seeds" / f"dx_4e-3_seed_{seed}" for seed in (1, 2))
+    one, two = (options.work / "out" / "bar_seeds" / f"dx_3.64e-3_seed_{seed}" for seed in (1, 2))
     answer = call("fragments", one, "--bonds", "--history", "--plot", "--resolved", "20")
     assert answer.returncode == 0, answer.stderr
-    table = scree_post.history(str(one / "bar_dx_4e-3_seed_1_pieces_over_time.csv"))
+    table = scree_post.history(str(one / "bar_dx_3.64e-3_seed_1_pieces_over_time.csv"))
     assert list(table["fragments"]) [0] == 1 and table["fragments"][-1] > 3 and len(table["time"]) == 2
     assert np.allclose(table["mass"], 2500.0 * 1.82e-4, rtol=1e-6) and table["failed"][0] == 0.0 < table["failed"][-1]
-    assert (one / "bar_dx_4e-3_seed_1_pieces_over_time.png").is_file()
+    assert (one / "bar_dx_3.64e-3_seed_1_pieces_over_time.png").is_file()
     same = call("fragments", one, one, "--out", options.work / "same.png")
     assert "differ by at most 0.0 % of the mass" in same.stdout and same.returncode == 0, same.stdout + same.stderr
     assert "differ by at most 0.0 %" not in call("fragments", one, two, "--out", options.work / "two.png").stdout
@@ -322,8 +326,9 @@ def test_command(bars):
     for words, code, *parts in (
             ((last, "--bonds"), 2, "--bonds needs a series"), ((one, "--bonds", "--cell", "1mm"), 2, "--cell"),
             ((one, "--stretch", "3"), 2, "--bonds"), ((one, "--bonds", "--stretch", "1"), 2, "above 1"),
-            ((one, two, two), 2, "3 sources"), ((one, two, "--all"), 2, "for one run"), ((one, "--plot"), 2, "--history"),
-            ((one, "--jobs", "2"), 2, "--jobs needs --seeds"), ((deck, "--seeds", "0"), 2, "--seeds"),
+            ((one, two, two), 2, "3 sources"), ((one, two, "--all"), 2, "for one run"),
+            ((one, "--plot"), 2, "--history"), ((one, "--jobs", "2"), 2, "--jobs needs --seeds"),
+            ((deck, "--seeds", "0"), 2, "--seeds"),
             ((deck, "--seeds", "2", "--set", "grid.dx=1,2,3"), 2, "3 ensembles"),
             ((deck, "--seeds", "2", "--set", "run.seed=1"), 2, "--seeds"),
             ((deck, deck, "--seeds", "2"), 2, "name bar"), ((options.work / "no.nml", "--seeds", "2"), 3, "no.nml")):

@@ -56,7 +56,7 @@ def number_above(masses: Array, points: Array) -> Array:
 def mass_share(runs: Sequence[Fragments], points: Array) -> Array:
     """Share of the mass of all runs in fragments up to each mass of `points`, or in none: failed material counts as
     lighter than any fragment."""
-    total = sum(one.total for one in runs)
+    total = max(sum(one.total for one in runs), 1.0e-300)
     masses = np.sort(np.concatenate([one.masses for one in runs]))
     heavier = np.concatenate([[0.0], np.cumsum(masses[::-1])])[::-1]
     above = heavier[np.searchsorted(masses, points * (1.0 + ROUNDING), side="right")]
@@ -123,7 +123,7 @@ def best_shape(ratio: Array) -> float:
 def distance_of(ratio: Array, shape: float) -> float:
     """Kolmogorov-Smirnov distance of masses over m0 to the distribution that is fitted to them."""
     values = stretched(ratio, shape)
-    return float(stats.kstest(values, stats.expon(scale=values.mean()).cdf, method="asymp").statistic)
+    return float(stats.ks_1samp(-np.expm1(-values / values.mean()), lambda share: share, method="asymp").statistic)
 
 
 def fit(name: str, masses: Array, least: float, shape: float | None) -> Fit:

@@ -179,6 +179,8 @@ def page(samples: Sequence[Sample], arguments: argparse.Namespace, title: str, o
             found = say_fits(sample, least)
     if len(samples) == 2 and not histogram:
         say_comparison(samples[0], samples[1], least)
+    for one in (run for sample in samples for run in sample.runs):
+        one.rows = shown(one, arguments.least)
     if any(len(sample.masses(0.0)) for sample in samples):
         look.save(curves_page(samples, least, found, title, histogram), out, arguments.dpi)
         print(f"wrote {out}")
@@ -194,8 +196,6 @@ def one_run(source: str, arguments: argparse.Namespace) -> int:
     print(found[-1].note)
     write_table(arguments.table or beside(source, "_pieces.csv"), COLUMNS,
                 [row for one in found for row in shown(one, arguments.least)], found[-1].note)
-    for one in found:
-        one.rows = shown(one, arguments.least)
     clock, unit = look.scaled(max(abs(one.time) for one in found), "s")
     page([Sample(f"t = {clock * one.time:.4g} {unit}", [one], []) for one in found], arguments, title, out, True)
     return 0
