@@ -272,7 +272,7 @@ def bars(file_options):
     deck = file_options.work / "bar.nml"
     deck.write_text(BAR, encoding="utf-8")
     words = ("fragments", deck, "--seeds", "3", "--set", "grid.dx=3.64e-3,2.6e-3", "--bonds", "--fit", "--outdir",
-             file_options.work / "out")
+             file_options.work / "out", "--scree", file_options.scree)
     answer = call(*words)
     assert answer.returncode == 0 and not answer.stderr, f"{answer.stdout} {answer.stderr}"
     return file_options, words, answer.stdout
@@ -321,7 +321,7 @@ def test_command(bars):
     text = (options.work / "fixed.nml")
     text.write_text(BAR.replace("size_scatter=.true.", "").replace("t_end=80e-6", "t_end=1e-6").replace(
         "weibull_m=10  weibull_volume=1e-6", ""), encoding="utf-8")
-    fixed = call("fragments", text, "--seeds", "2", "--outdir", options.work / "out")
+    fixed = call("fragments", text, "--seeds", "2", "--outdir", options.work / "out", "--scree", options.scree)
     assert "nothing in this deck depends on the seed" in fixed.stdout, fixed.stdout + fixed.stderr
     for words, code, *parts in (
             ((last, "--bonds"), 2, "--bonds needs a series"), ((one, "--bonds", "--cell", "1mm"), 2, "--cell"),

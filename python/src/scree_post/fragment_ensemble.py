@@ -27,8 +27,11 @@ class Ensemble:
     failed: list[Combination] = field(default_factory=list)
 
 
+Plan = tuple[str, Ensemble, list[Combination]]           # deck, its ensemble, its runs
+
+
 def planned(decks: Sequence[str], seeds: int, words: Sequence[str], outdir: str | None
-            ) -> list[tuple[str, Ensemble, list[Combination]]]:
+            ) -> list[Plan]:
     """Deck, ensemble and runs of each ensemble: of each deck with each value of --set."""
     keys = settings(words)
     if SEED in keys:
@@ -53,13 +56,12 @@ def planned(decks: Sequence[str], seeds: int, words: Sequence[str], outdir: str 
     return found
 
 
-def ensembles(decks: Sequence[str], seeds: int, words: Sequence[str], outdir: str | None, jobs: int | None,
-              overwrite: bool, measure: Callable[[str], Fragments]) -> list[Ensemble]:
+def ensembles(plans: Sequence[Plan], program: str | None, jobs: int | None, overwrite: bool,
+              measure: Callable[[str], Fragments]) -> list[Ensemble]:
     """Run the decks with all seeds, unless an earlier call has, and find the fragments of each run.
 
     measure  gets the series of a run
     """
-    plans = planned(decks, seeds, words, outdir)
     for deck, ensemble, runs in plans:
         found: dict[str, Fragments] = {}
         threads = threads_of_a_run()
@@ -73,7 +75,7 @@ def ensembles(decks: Sequence[str], seeds: int, words: Sequence[str], outdir: st
             tell(one, f"{len(found) + len(ensemble.failed)} of {count}")
 
         os.makedirs(os.path.dirname(ensemble.stem), exist_ok=True)
-        Study(deck, overwrite=overwrite, threads=threads).all(runs, jobs or jobs_for(threads), ended,
+        Study(deck, program=program, overwrite=overwrite, threads=threads).all(runs, jobs or jobs_for(threads), ended,
                                                               label=ensemble.sample.name, lines=False)
         if not found:
             raise ScreeError(f"{ensemble.sample.name}: no run finished; {ensemble.failed[0].reason}")

@@ -81,7 +81,7 @@ def curves_page(samples: Sequence[Sample], least: float, fits: Sequence[Fit], ti
         style(panels[0], f"mass [{unit}]", "number of fragments in a class")
         panels[0].yaxis.get_major_locator().set_params(integer=True)
     style(number, f"mass [{unit}]", "number of fragments at least as heavy")
-    style(share, f"mass [{unit}]", "mass up to this fragment, with failed [%]")
+    style(share, f"mass [{unit}]", "mass in lighter fragments and failed [%]")
     for axes in panels:
         axes.set_xscale("log")
     for axes in (number, share):

@@ -27,7 +27,7 @@ from scree.files import Moment, beside, nearest, series, series_file, snapshot
 
 from ..fragment_bonds import STRETCH
 from ..fragment_curves import Fit, Sample, compared, fits, resolved_mass, verdict, with_error
-from ..fragment_ensemble import ensembles, seeds_differ
+from ..fragment_ensemble import ensembles, planned, seeds_differ
 from ..fragment_pages import curves_page, history_page
 from ..fragment_table import COLUMNS, COUNTS, FIELDS, RESOLVED, Fragments, fragments_of, reference_bonds
 from ..progress import Progress
@@ -37,7 +37,7 @@ EXAMPLES = ("fragments out/debris_cloud",
             "fragments out/debris_cloud --time 5us 10us --reach 2",
             "fragments out/debris_cloud_3d --all --cell 0.4mm --table pieces.csv",
             "fragments out/debris_cloud_3d --bonds --history --plot",
-            "fragments bar.nml --seeds 40 --bonds --set grid.dx=2mm,1mm --fit")
+            "fragments bar.nml --seeds 40 --bonds --set grid.dx=2e-3,1.4e-3 --fit")
 SHOWN = 10               # lines of the table on the screen
 
 
@@ -67,6 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--set", metavar="G.K=A,B", action="append", default=[], dest="values",
         help="with --seeds: value of a key; two values are two ensembles")
     add("--jobs", type=int, metavar="N", help="with --seeds: number of simultaneous runs; default: cores")
+    add("--scree", metavar="PROGRAM", help="with --seeds: the program; default build/bin/scree or in the path")
     add("--outdir", metavar="DIR", help="with --seeds: folder of the folder NAME_seeds with all results; default out")
     add("--overwrite", action="store_true", help="with --seeds: replace results of another deck or program")
     add("--least", type=int, default=1, metavar="N",
@@ -239,7 +240,8 @@ def many_runs(arguments: argparse.Namespace) -> int:
     if arguments.out:
         look.check_picture(arguments.out)
     decks = [readable(deck) for deck in arguments.source]
-    done = ensembles(decks, arguments.seeds, arguments.values, arguments.outdir, arguments.jobs, arguments.overwrite,
+    plans = planned(decks, arguments.seeds, arguments.values, arguments.outdir)
+    done = ensembles(plans, arguments.scree, arguments.jobs, arguments.overwrite,
                      lambda series: search(series, arguments)[0][-1])
     samples = [one.sample for one in done]
     least = resolved_mass(samples, arguments.resolved)
@@ -283,7 +285,7 @@ def check_arguments(arguments: argparse.Namespace) -> None:
         raise ScreeError("--plot needs --history; without it the picture is always drawn", EXIT_USAGE)
     if arguments.seeds is None:
         for name, value in (("set", arguments.values), ("jobs", arguments.jobs), ("outdir", arguments.outdir),
-                            ("overwrite", arguments.overwrite)):
+                            ("scree", arguments.scree), ("overwrite", arguments.overwrite)):
             if value:
                 raise ScreeError(f"--{name} needs --seeds", EXIT_USAGE)
     if len(arguments.source) > 2:
