@@ -328,6 +328,7 @@ def test_command(bars):
             ((one, "--stretch", "3"), 2, "--bonds"), ((one, "--bonds", "--stretch", "1"), 2, "above 1"),
             ((one, two, two), 2, "3 sources"), ((one, two, "--all"), 2, "for one run"),
             ((one, "--plot"), 2, "--history"), ((one, "--jobs", "2"), 2, "--jobs needs --seeds"),
+            ((deck,), 2, "is a deck", "--seeds"), ((deck, "--seeds", "1", "--outdir", deck), 3, "cannot make"),
             ((deck, "--seeds", "0"), 2, "--seeds"),
             ((deck, "--seeds", "2", "--set", "grid.dx=1,2,3"), 2, "3 ensembles"),
             ((deck, "--seeds", "2", "--set", "run.seed=1"), 2, "--seeds"),

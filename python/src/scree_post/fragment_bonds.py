@@ -82,10 +82,11 @@ def bonds_of(snap: Snapshot, axes: Sequence[int], wrap: tuple[Box, Sequence[int]
         pairs = np.sort(origin[near], axis=1)            # a copy is the same particle
         body = snap.body_rows()[rows]
         keep = (pairs[:, 0] != pairs[:, 1]) & (body[pairs[:, 0]] == body[pairs[:, 1]])
-        by_length = np.lexsort((length[keep], pairs[keep, 1], pairs[keep, 0]))
-        pairs, length = pairs[keep][by_length], length[keep][by_length]
-        pairs, first = np.unique(pairs, axis=0, return_index=True)
-        length = length[first]
+        pairs, length = pairs[keep], length[keep]
+        if around:                                       # a pair may be found on both sides of the box: the shorter one
+            by_length = np.argsort(length, kind="stable")
+            _, first = np.unique(pairs[by_length, 0] * len(points) + pairs[by_length, 1], return_index=True)
+            pairs, length = pairs[by_length[first]], length[by_length[first]]
     return Bonds(snap.time, stretch, ordered, order, width, pairs, length)
 
 

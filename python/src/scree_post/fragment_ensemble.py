@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from scree.errors import EXIT_USAGE, ScreeError
+from scree.errors import EXIT_USAGE, FileProblem, ScreeError
 from scree.program import jobs_for, threads_of_a_run
 from scree.study import Combination, Study, combinations, folder_name, short
 
@@ -74,7 +74,11 @@ def ensembles(plans: Sequence[Plan], program: str | None, jobs: int | None, over
                 ensemble.failed.append(one)
             tell(one, f"{len(found) + len(ensemble.failed)} of {count}")
 
-        os.makedirs(os.path.dirname(ensemble.stem), exist_ok=True)
+        base = os.path.dirname(ensemble.stem)
+        try:
+            os.makedirs(base, exist_ok=True)
+        except OSError as error:
+            raise FileProblem(f"cannot make {base}: {error.strerror or error}") from error
         Study(deck, program=program, overwrite=overwrite, threads=threads).all(runs, jobs or jobs_for(threads), ended,
                                                               label=ensemble.sample.name, lines=False)
         if not found:

@@ -62,6 +62,8 @@ def note_of(snap: Snapshot, mirror: bool, periodic: Collection[int], bonds: Bond
     """Definition of a fragment, as a sentence."""
     text = {"axisymmetric": "axisymmetric: a fragment is a ring around the axis; its mass is that "
             "of the whole ring, centre_x its radius, size the diameter of its cross-section",
+            "1d": "one dimension: a fragment is a part of a bar; axis_1 is its length, size the diameter of a "
+            "sphere of its volume",
             "plane_strain": "plane strain: a fragment is a prism as thick as the box; size is the "
             "diameter of its cross-section"}.get(
                 snap.dimension, "a fragment is a piece in space; size is the diameter of a sphere "

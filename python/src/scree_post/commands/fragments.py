@@ -156,7 +156,7 @@ def say_fits(sample: Sample, least: float) -> list[Fit]:
         print(f"{one.name:12} {one.shape:7.3f} {'' if power else format(one.scale, '.5g'):>12} "
               f"{format(one.scale, '.4f') if power else '':>9} {one.aic - best:9.1f} {one.distance:12.4f} "
               f"{one.probability:6.3f}")
-    print("AIC over that of the best fit. p: a sample of the fit is farther from its own fit (parametric bootstrap); "
+    print("AIC over that of the best fit. p: probability that a sample of the fit is farther from its own fit; "
           "only indicative, since the masses of a run are not independent")
     return found
 
@@ -250,9 +250,9 @@ def many_runs(arguments: argparse.Namespace) -> int:
         numbers = one.sample.numbers(least)
         mass = sum(run.total for run in runs)
         small, fines = (sum(run.counts(arguments.resolved)[at] for run in runs) for at in (5, 4))
-        print(f"{name}: {len(runs)} seeds, {with_error(numbers)} fragments (mean and standard error), standard "
-              f"deviation {numbers.std(ddof=min(1, len(runs) - 1)):.3g}; unresolved {100.0 * small / mass:.3g} %, "
-              f"failed {100.0 * fines / mass:.3g} % of the mass")
+        print(f"{name}: t = {runs[-1].time:.6g} s, {len(runs)} seeds, {with_error(numbers)} fragments (mean and "
+              f"standard error), standard deviation {numbers.std(ddof=min(1, len(runs) - 1)):.3g}; "
+              f"unresolved {100.0 * small / mass:.3g} %, failed {100.0 * fines / mass:.3g} % of the mass")
         if len(runs) > 1 and not seeds_differ(one.sample):
             print(f"{name}: all seeds have the same fragments: nothing in this deck depends on the seed")
         write_table(one.stem + "_pieces.csv", ("seed", *COLUMNS),
@@ -300,6 +300,9 @@ def run(arguments: argparse.Namespace) -> int:
     check_arguments(arguments)
     if arguments.seeds:
         return many_runs(arguments)
+    for source in arguments.source:
+        if source.endswith(".nml"):
+            raise ScreeError(f"{source} is a deck: run it with --seeds N, or name the folder of its run", EXIT_USAGE)
     sources = [series_file(source) for source in arguments.source]
     if len(sources) == 2:
         return two_runs(sources, arguments)
