@@ -215,6 +215,9 @@ def test_fits(options, sheet):
     for name in ("Mott", "power law"):
         sheet.below(f"p of {name}", found[name].probability, 0.01)
         sheet.above(f"AIC of {name}", found[name].aic - found["exponential"].aic, 10.0)
+    above = stats.expon(loc=least, scale=found["exponential"].scale)
+    sheet.near("distance to the exponential, by scipy", found["exponential"].distance,
+               stats.kstest(sample[sample >= least], above.cdf).statistic, 1.0e-9)
     exact = np.exp(-(np.array([0.2, 1.0, 5.0]) - least) / found["exponential"].scale)
     sheet.require(np.allclose(found["exponential"].above(np.array([0.2, 1.0, 5.0])), exact), "curve of the fit")
     # Weibull by another parametrisation and a search in two dimensions, with the density of scipy

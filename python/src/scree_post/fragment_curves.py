@@ -122,8 +122,10 @@ def best_shape(ratio: Array) -> float:
 
 def distance_of(ratio: Array, shape: float) -> float:
     """Kolmogorov-Smirnov distance of masses over m0 to the distribution that is fitted to them."""
-    values = stretched(ratio, shape)
-    return float(stats.ks_1samp(-np.expm1(-values / values.mean()), lambda share: share, method="asymp").statistic)
+    values = np.sort(stretched(ratio, shape))
+    below = -np.expm1(-values / values.mean())
+    steps = np.arange(len(values) + 1) / len(values)     # scipy.stats.kstest takes ten times as long for each sample
+    return float(np.maximum(steps[1:] - below, below - steps[:-1]).max())
 
 
 def fit(name: str, masses: Array, least: float, shape: float | None) -> Fit:
