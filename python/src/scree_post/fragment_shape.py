@@ -41,7 +41,7 @@ def principal_axes(labels: Array, points: Array, weight: Array, width: Array, ax
     length = 2.0 * np.sqrt((len(axes) + 2.0) * np.maximum(values[:, ::-1], 0.0))
     direction = np.swapaxes(vectors[:, :, ::-1], 1, 2)
     most = np.take_along_axis(direction, np.abs(direction).argmax(axis=2)[:, :, None], axis=2)
-    return length, direction * np.where(most < 0.0, -1.0, 1.0)
+    return length, direction * np.where(most < 0.0, -1.0, 1.0) + 0.0     # no -0 in the table
 
 
 def spins(labels: Array, arm: Array, velocity: Array, mass: Array, width: Array, count: int) -> Array:

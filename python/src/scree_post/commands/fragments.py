@@ -242,7 +242,7 @@ def many_runs(arguments: argparse.Namespace) -> int:
     decks = [readable(deck) for deck in arguments.source]
     plans = planned(decks, arguments.seeds, arguments.values, arguments.outdir)
     done = ensembles(plans, arguments.scree, arguments.jobs, arguments.overwrite,
-                     lambda series: search(series, arguments)[0][-1])
+                     lambda path: search(path, arguments)[0][-1])
     samples = [one.sample for one in done]
     least = resolved_mass(samples, arguments.resolved)
     for one in done:
