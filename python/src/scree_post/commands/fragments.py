@@ -3,9 +3,9 @@
 
 Particles are neighbours if their distance is at most --reach times the mean of their widths (1.5
 connects the particles of a lattice along edges and face diagonals), or with --cell if they are in
-the same or in adjacent cells. With --bonds they are neighbours if they were so in the first snapshot
-of the series, and their distance has grown less than --stretch times: fragments that touch again
-remain two, also two bodies. The table has one line per fragment, the heaviest first. In
+the same or in adjacent cells. With --bonds they are neighbours if they were so in the first
+snapshot of the series, and their distance has grown less than --stretch times: fragments that touch
+again remain two, also two bodies. The table has one line per fragment, the heaviest first. In
 axisymmetry fragments are rings. Models are completed at mirror planes: a fragment across the plane
 is counted once, with its full mass, any other fragment once on each side. Fragments continue across
 periodic boundaries. Two runs are compared: their distributions of masses and cumulative masses.
