@@ -9,8 +9,8 @@ again remain two, also two bodies. The table has one line per fragment, the heav
 axisymmetry fragments are rings. Models are completed at mirror planes: a fragment across the plane
 is counted once, with its full mass, any other fragment once on each side. Fragments continue across
 periodic boundaries. Two runs are compared: their distributions of masses and cumulative masses.
-With --seeds the sources are decks, each of which is run with that number of seeds (&run seed = 1, 2,
-...), as many at a time as there are cores; finished runs are not run again.
+With --seeds the sources are decks, each of which is run with that number of seeds (&run seed = 1,
+2, ...), as many at a time as there are cores; finished runs are not run again.
 """
 from __future__ import annotations
 
