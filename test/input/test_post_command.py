@@ -101,7 +101,8 @@ def test_grids(options):
     last = table["time"] == table["time"][-1]
     assert abs(np.sort(table["mass"][last]) - np.sort(found.masses)).max() < 1.0e-6 * 130.0
     assert set(title.split(" [")[0] for title in fragment_table.COLUMNS) <= {
-        *table.order, "size", "body"}, "names of columns that are not those of the program"
+        *table.order, "size", "body", "temperature", *(f"{name}_{axis}" for name in ("spin", "long", "short", "axis")
+                                                       for axis in "xyz123")}, "other names of columns than the program"
     refused(call("info", box.path("_g_000001.hdf.serie")), 3, "no such file")
 
 

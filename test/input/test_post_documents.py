@@ -22,8 +22,8 @@ from scree_post.command import load
 from scree_post.commands import COMMANDS
 
 DOCUMENTS = ("README.md", "doc/learn/first_deck.md", "doc/guide/post_processing.md", "doc/guide/accuracy.md",
-             "doc/reference/matter_outputs.md", "doc/guide/grain_cell.md", "doc/reference/materials.md",
-             "input/debris_cloud/README.md")
+             "doc/guide/fragments.md", "doc/reference/matter_outputs.md", "doc/guide/grain_cell.md",
+             "doc/reference/materials.md", "input/debris_cloud/README.md")
 LEAST = 20               # least number of commands in the documents
 
 
@@ -33,6 +33,9 @@ def options(file_options):
     run_cases(file_options, "two_discs", "coarse", "debris_cloud", "debris_cloud_3d", "grain_cell")
     shutil.copytree(file_options.work / "out" / "two_discs", file_options.work / "out" / "again")
     (file_options.work / "input").symlink_to(INPUT)
+    page = (case.ROOT / "doc/guide/fragments.md").read_text(encoding="utf-8")
+    deck = re.search(r"^```fortran\n(.*?)^```", page, re.M | re.S)[1]
+    (file_options.work / "bar.nml").write_text(deck, encoding="utf-8")
     return file_options
 
 
@@ -55,7 +58,9 @@ def words_of(line, options):
         words += ["--scree", str(options.scree), "--threads", "1"]
         if "two_discs" not in line and "--list" not in words:
             words.append("--list")                       # a long run
-    if words[0] in ("accuracy", "validate"):
+    if "--seeds" in words:
+        words[words.index("--seeds") + 1] = "2"
+    if words[0] in ("accuracy", "validate") or "--seeds" in words:
         words += ["--scree", str(options.scree)]
     try:
         film.encoder()

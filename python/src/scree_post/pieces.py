@@ -63,5 +63,10 @@ def find_pieces(points: Array, reach: Array, factor: float = 1.5, cell: float | 
     spread, rows = with_ghosts(points, 2.0 * far, box or Box(), periodic)
     pairs = touching_cells(spread, cell) if cell is not None else close_pairs(spread, reach[rows], factor)
     one, other = rows[pairs].T                           # a copy is the same particle
-    links = coo_array((np.ones(len(one), bool), (one, other)), shape=(len(points), len(points)))
+    return connected(one, other, len(points))
+
+
+def connected(one: Array, other: Array, count: int) -> Array:
+    """Index of the connected group of each of `count` points, from pairs of their rows."""
+    links = coo_array((np.ones(len(one), bool), (one, other)), shape=(count, count))
     return np.asarray(connected_components(links, directed=False)[1])
