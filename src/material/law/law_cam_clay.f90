@@ -9,7 +9,7 @@
 !! swelling follow their lines v = N - lambda ln p and v = v_k - kappa ln p in steps of any length,
 !! and separated clay has no pressure until its density is restored. The shear modulus is constant,
 !! so that the elastic part has a potential (M. Zytynski and others, Int. J. Numer. Anal. Meth.
-!! Geomech. 2 (1978) 87). Equations (Y.33) to (Y.41) of doc/theory/strength.md.
+!! Geomech. 2 (1978) 87). Equations (Y.33) to (Y.42) of doc/theory/strength.md.
 module law_cam_clay
    use base_elementary, only: exponential, logarithm
    use base_kinds, only: wp
@@ -38,6 +38,8 @@ module law_cam_clay
       real(wp) :: specific = 0.0_wp !! v0, volume over that of the grains at `density` [1]
       real(wp) :: pressure = 0.0_wp                  !! p0, pressure at `density` [Pa]
       real(wp) :: consolidated = 0.0_wp              !! pc0, preconsolidation pressure then [Pa]
+      real(wp) :: ratio = 1.0_wp                     !! R, overconsolidation ratio, if given [1]
+      real(wp) :: least = 0.0_wp                     !! pc0 if that is given itself [Pa]
    contains
       procedure :: declare => cam_clay_declare       !! Declares its keys
       procedure :: fault => cam_clay_fault           !! Keys that do not go together
@@ -46,6 +48,8 @@ module law_cam_clay
       procedure :: gives_whole_stress => cam_clay_gives_whole_stress !! Returns true
       procedure :: sets_bulk => cam_clay_sets_bulk   !! Returns true
       procedure :: starts_with_stress => cam_clay_starts_with_stress !! Returns true
+      procedure :: settles => cam_clay_settles       !! Returns true
+      procedure :: settle => cam_clay_settle         !! Density and consolidation under a stress
       procedure :: least_pressure => cam_clay_least_pressure !! No tension
       procedure :: request => cam_clay_request       !! Requests the preconsolidation pressure
       procedure :: update => cam_clay_update         !! Pressure, and return to the yield surface
@@ -79,11 +83,11 @@ contains
       call schema%real("material", "mcc_v0", "specific volume, 1 + void ratio, of the state of "// &
          "density", range="> 1 <= 20", owner=owner)
       call schema%real("material", "mcc_p0", "mean effective pressure of the state of density, "// &
-         "with which the material starts", unit="Pa", range="> 0", owner=owner)
+         "with which the material starts where no weight gives another", unit="Pa", range="> 0", owner=owner)
       call schema%real("material", "mcc_pc", "initial preconsolidation pressure, not below "// &
          "mcc_p0; instead of mcc_ocr", unit="Pa", range="> 0", owner=owner)
       call schema%real("material", "mcc_ocr", "initial overconsolidation ratio, "// &
-         "preconsolidation pressure over mcc_p0", default="1", range=">= 1", owner=owner)
+         "preconsolidation pressure over mcc_p0, or over that of the stress of a weight", default="1", range=">= 1", owner=owner)
       call schema%require("material", "mcc_m mcc_lambda mcc_kappa mcc_v0 mcc_p0")
       call schema%forbid_change("material", "mcc_pc mcc_ocr", "the particles store their "// &
          "preconsolidation pressure since the start")
@@ -121,9 +125,10 @@ contains
       call group%get("mcc_p0", pressure)
       if (group%given("mcc_pc")) then
          call group%get("mcc_pc", consolidated)
+         self%least = consolidated
       else
-         call group%get("mcc_ocr", consolidated)
-         consolidated = consolidated*pressure
+         call group%get("mcc_ocr", self%ratio)
+         consolidated = self%ratio*pressure
       end if
       call self%set(slope, compression, swelling, specific, pressure, consolidated)
    end subroutine cam_clay_read
@@ -170,6 +175,33 @@ contains
 
       starts = .true.
    end function cam_clay_starts_with_stress
+
+   !> It finds its state under a weight.
+   pure logical function cam_clay_settles(self) result(settles)
+      class(law_cam_clay_t), intent(in) :: self
+
+      settles = .true.
+   end function cam_clay_settles
+
+   !> Preconsolidation pressure and density under a stress: R times the ellipse through the stress,
+   !! or `mcc_pc` where that is larger, and the mass that (Y.34) gives to the volume. Equation
+   !! (Y.42).
+   pure subroutine cam_clay_settle(self, state, particle)
+      class(law_cam_clay_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state !! With stress and volume
+      integer, intent(in) :: particle                !! Index in the store
+      real(wp) :: pressure, square, consolidated, specific
+
+      pressure = -sum(state%stress(particle, 1:3))/3.0_wp
+      square = 1.5_wp*(sum((state%stress(particle, 1:3) + pressure)**2) &
+         + 2.0_wp*sum(state%stress(particle, 4:6)**2))
+      consolidated = max(self%least, self%ratio*(pressure + square/(self%slope**2*pressure)))
+      specific = self%specific - (self%compression - self%swelling) &
+         *logarithm(consolidated/self%consolidated) &
+         - self%swelling*logarithm(pressure/self%pressure)
+      state%own(state%own_index(field))%values(particle) = consolidated
+      state%mass(particle) = self%density*self%specific/specific*state%volume(particle)
+   end subroutine cam_clay_settle
 
    !> It supports no tension.
    pure real(wp) function cam_clay_least_pressure(self) result(pressure)
