@@ -111,24 +111,25 @@ class TestLithostatic:
 
     def test_clay(self, options, sheet):
         """Clay gets the density and the preconsolidation of its stress, so that it stays at rest; 1 and 2 ranks."""
-        keys = "strength_model = 'cam_clay'  mcc_m = 1  mcc_lambda = 0.2  mcc_kappa = 0.04  mcc_v0 = 2  mcc_p0 = 5e4  "
+        keys = "strength_model = 'cam_clay'  mcc_m = 1  mcc_lambda = 0.02  mcc_kappa = 0.004  mcc_v0 = 2  mcc_p0 = 5e4  "
         for more, ratio, least in (("mcc_ocr = 1.5", 1.5, 0.0), ("mcc_pc = 7e4", 1.0, 7.0e4)):
             with sheet.part(more):
-                scene = {"model": keys + more, "more": "k0 = 0.6", "steps": 120}
-                run = self.run_of(options, "clay", **scene)
-                points, stress, fields = self.first(run)
+                scene = {"model": keys + more, "more": "k0 = 0.6", "steps": 5}
+                points, stress, fields = self.first(self.run_of(options, "clay", **scene))
                 wanted = self.weight(points[:, 2])
                 p, q = wanted * 2.2 / 3, wanted * 0.4
                 assert np.abs(stress[:, 2] + wanted).max() < 1e-6
                 consolidated = np.maximum(least, ratio * (p + q**2 / p))
-                specific = 2 - 0.04 * np.log(p / 5e4) - 0.16 * np.log(consolidated / max(ratio * 5e4, least))
+                specific = 2 - 0.004 * np.log(p / 5e4) - 0.016 * np.log(consolidated / max(ratio * 5e4, least))
                 density = np.where(points[:, 2] < 4, 2000, 1000) * 2 / specific
                 assert np.abs(fields["mass"] / fields["volume"] / density - 1).max() < 1e-9
-                # the true weight is that of this density, so it moves a little
-                speed = np.sqrt(2 * run.history["kinetic"].max() / run.history["mass"][0])
-                fresh = self.run_of(options, "clay", **{**scene, "more": "", "stress": "zero", "stress_of_top": "zero"})
-                assert speed < 0.05 * np.sqrt(2 * fresh.history["kinetic"].max() / fresh.history["mass"][0])
-        assert self.run_of(options, "clay_ranks", 2, **scene).summary["digest"] == run.summary["digest"]
+        one = self.run_of(options, "clay_rest", **{**scene, "steps": 90})
+        two = self.run_of(options, "clay_ranks", 2, **{**scene, "steps": 90})
+        assert one.summary["digest"] == two.summary["digest"]
+        fresh = self.run_of(options, "clay_fresh",
+                            **{**scene, "steps": 90, "more": "", "stress": "zero", "stress_of_top": "zero"})
+        # the weight is that of the density of the deck, which differs by 1 %
+        assert one.history["kinetic"].max() < 1e-3 * fresh.history["kinetic"].max()
 
     def test_ranks_and_packings(self, options):
         """The same for any ranks; randomly placed particles have the stress of their own heights."""
