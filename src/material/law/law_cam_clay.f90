@@ -61,7 +61,7 @@ module law_cam_clay
    type :: trial_t
       real(wp) :: shear = 0.0_wp                     !! q of the trial [Pa]
       real(wp) :: ratio = 0.0_wp                     !! ln(p/pc) of the trial [1]
-      real(wp) :: logarithm = 0.0_wp                 !! ln p of the trial, p in Pa [1]
+      real(wp) :: logarithm = 0.0_wp                 !! ln(p/p0) of the trial [1]
       real(wp) :: stiffness = 0.0_wp                 !! 6 G (lambda - kappa)/(v M) [Pa]
    end type trial_t
 
@@ -219,15 +219,13 @@ contains
          "strength model cam_clay", self%consolidated)
    end subroutine cam_clay_request
 
-   !> Logarithm of the pressure of a specific volume and a preconsolidation pressure: that of the
-   !! swelling line. Equation (Y.34).
-   pure real(wp) function pressure_logarithm(law, specific, consolidated) result(value)
+   !> Logarithm of the pressure over p0, that of the swelling line. Equation (Y.34).
+   pure real(wp) function pressure_logarithm(law, specific, gain) result(value)
       class(law_cam_clay_t), intent(in) :: law
       real(wp), intent(in) :: specific               !! v [1]
-      real(wp), intent(in) :: consolidated           !! pc [Pa]
+      real(wp), intent(in) :: gain                   !! ln(pc/pc0) [1]
 
-      value = logarithm(law%pressure) + max(separated, (law%specific - specific &
-         - (law%compression - law%swelling)*logarithm(consolidated/law%consolidated)) &
+      value = max(separated, (law%specific - specific - (law%compression - law%swelling)*gain) &
          /law%swelling)
    end function pressure_logarithm
 
@@ -240,9 +238,10 @@ contains
       integer, intent(in) :: first, last             !! Particles of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(trial_t) :: trial
-      real(wp) :: specific, before, pressure, scaling, hardening, grains
+      real(wp) :: specific, before, pressure, scaling, hardening, grains, gain, excess
       integer :: i, k
 
+      excess = logarithm(self%consolidated/self%pressure)
       call equivalent_stress(state, deformation, first, last)
       call strain_trial(state, deformation, first, last)
       associate (consolidated => state%own(state%own_index(field))%values)
@@ -253,8 +252,9 @@ contains
             before = deformation%pressure(i)
             if (allocated(state%viscous_pressure)) before = before - state%viscous_pressure(k)
             trial%shear = deformation%plastic_increment(i)
-            trial%logarithm = pressure_logarithm(self, specific, consolidated(k))
-            trial%ratio = trial%logarithm - logarithm(consolidated(k))
+            gain = logarithm(consolidated(k)/self%consolidated)
+            trial%logarithm = pressure_logarithm(self, specific, gain)
+            trial%ratio = trial%logarithm - gain - excess
             trial%stiffness = 6.0_wp*self%shear*(self%compression - self%swelling) &
                /(specific*self%slope)
             call return_to_ellipse(self, trial, consolidated(k), pressure, scaling, hardening)
@@ -288,7 +288,7 @@ contains
       scaling = 1.0_wp
       pressure = 0.0_wp
       if (trial%ratio <= 0.0_wp) then
-         pressure = exponential(trial%logarithm)
+         pressure = law%pressure*exponential(trial%logarithm)
          if (trial%shear**2 <= law%slope**2*pressure*(consolidated - pressure)) return
       end if
       if (trial%ratio >= half) then
@@ -320,8 +320,8 @@ contains
       rise = logarithm(1.0_wp + place**2)         ! ln(pc/p)
       if (dry) rise = rise - 2.0_wp*logarithm(place)
       hardening = law%swelling/law%compression*(trial%ratio + rise)
-      pressure = exponential(trial%logarithm - (law%compression - law%swelling)/law%swelling &
-         *hardening)
+      pressure = law%pressure*exponential(trial%logarithm - (law%compression - law%swelling) &
+         /law%swelling*hardening)
    end subroutine find_state
 
    !> Residual of the flow rule, negative below its root; in t, or in 1/t where it is dry, times
@@ -400,7 +400,8 @@ contains
       do i = 1, last - first + 1
          k = first - 1 + i
          specific = self%specific*self%density*state%volume(k)/state%mass(k)
-         pressure = exponential(pressure_logarithm(self, specific, state%own(own)%values(k)))
+         pressure = self%pressure*exponential(pressure_logarithm(self, specific, &
+            logarithm(state%own(own)%values(k)/self%consolidated)))
          share = state%volume(k)/state%mass(k)
          if (pressure < loose*self%pressure) share = min(share, 1.0_wp/self%density)
          deformation%wave_speed(i) = deformation%wave_speed(i) &
@@ -414,11 +415,12 @@ contains
       class(law_cam_clay_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                       !! Index in the store
-      real(wp) :: grains, specific
+      real(wp) :: grains, specific, gain
 
       grains = state%mass(particle)/(self%density*self%specific)
       specific = state%volume(particle)/grains
-      energy = law_stored_energy(self, state, particle) + grains*self%swelling*exponential( &
-         pressure_logarithm(self, specific, state%own(state%own_index(field))%values(particle)))
+      gain = logarithm(state%own(state%own_index(field))%values(particle)/self%consolidated)
+      energy = law_stored_energy(self, state, particle) + grains*self%swelling*self%pressure &
+         *exponential(pressure_logarithm(self, specific, gain))
    end function cam_clay_stored_energy
 end module law_cam_clay
