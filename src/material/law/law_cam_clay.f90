@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Modified Cam-clay (K. H. Roscoe, J. B. Burland, "On the generalised stress-strain behaviour of
-!! wet clay", in: Engineering plasticity, 1968; D. Muir Wood, "Soil behaviour and critical state
+!! wet clay", in: Engineering plasticity, 1968; D. M. Wood, "Soil behaviour and critical state
 !! soil mechanics", 1990): clay that hardens as it is compacted and softens as it dilates, until it
 !! flows at constant volume in the critical state q = M p.
 !!
@@ -48,8 +48,9 @@ module law_cam_clay
       procedure :: gives_whole_stress => cam_clay_gives_whole_stress !! Returns true
       procedure :: sets_bulk => cam_clay_sets_bulk   !! Returns true
       procedure :: starts_with_stress => cam_clay_starts_with_stress !! Returns true
-      procedure :: settles => cam_clay_settles       !! Returns true
-      procedure :: settle => cam_clay_settle         !! Density and consolidation under a stress
+      procedure :: finds_rest_state => cam_clay_finds_rest_state !! Returns true
+      !> Density and consolidation under a stress
+      procedure :: find_rest_state => cam_clay_find_rest_state
       procedure :: least_pressure => cam_clay_least_pressure !! No tension
       procedure :: request => cam_clay_request       !! Requests the preconsolidation pressure
       procedure :: update => cam_clay_update         !! Pressure, and return to the yield surface
@@ -73,8 +74,8 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = cam_clay"
 
-      call schema%real("material", "mcc_m", "critical state ratio M of the equivalent stress to "// &
-         "the pressure; 6 sin(phi)/(3 - sin(phi)) in triaxial compression", range="> 0 <= 3", &
+      call schema%real("material", "mcc_m", "critical state ratio M of the equivalent stress "// &
+         "to the pressure; 6 sin(phi)/(3 - sin(phi)) in triaxial compression", range="> 0 <= 3", &
          owner=owner)
       call schema%real("material", "mcc_lambda", "slope of the isotropic compression line, "// &
          "specific volume over natural logarithm of the pressure", range="> 0 <= 5", owner=owner)
@@ -83,11 +84,13 @@ contains
       call schema%real("material", "mcc_v0", "specific volume, 1 + void ratio, of the state of "// &
          "density", range="> 1 <= 20", owner=owner)
       call schema%real("material", "mcc_p0", "mean effective pressure of the state of density, "// &
-         "with which the material starts where no weight gives another", unit="Pa", range="> 0", owner=owner)
+         "with which the material starts where no weight gives another", unit="Pa", range="> 0", &
+         owner=owner)
       call schema%real("material", "mcc_pc", "initial preconsolidation pressure, not below "// &
          "mcc_p0; instead of mcc_ocr", unit="Pa", range="> 0", owner=owner)
       call schema%real("material", "mcc_ocr", "initial overconsolidation ratio, "// &
-         "preconsolidation pressure over mcc_p0, or over that of the stress of a weight", default="1", range=">= 1", owner=owner)
+         "preconsolidation pressure over mcc_p0, or over that of the stress of a weight", &
+         default="1", range=">= 1", owner=owner)
       call schema%require("material", "mcc_m mcc_lambda mcc_kappa mcc_v0 mcc_p0")
       call schema%forbid_change("material", "mcc_pc mcc_ocr", "the particles store their "// &
          "preconsolidation pressure since the start")
@@ -104,7 +107,7 @@ contains
       if (.not. in_order(group, "mcc_kappa", "mcc_lambda")) then
          text = "mcc_kappa must be below mcc_lambda; otherwise compaction would gain energy [D363]"
       else if (group%given("mcc_pc") .and. group%given("mcc_ocr")) then
-         text = "mcc_pc and mcc_ocr are both given; keep one of them [D363]"
+         text = "mcc_pc and mcc_ocr are both given; keep one [D307]"
       else if (group%given("mcc_pc")) then
          if (.not. in_order(group, "mcc_p0", "mcc_pc", equal=.true.)) text = "mcc_pc must not "// &
             "be below mcc_p0, which would be outside of the yield surface [D363]"
@@ -177,16 +180,16 @@ contains
    end function cam_clay_starts_with_stress
 
    !> It finds its state under a weight.
-   pure logical function cam_clay_settles(self) result(settles)
+   pure logical function cam_clay_finds_rest_state(self) result(finds)
       class(law_cam_clay_t), intent(in) :: self
 
-      settles = .true.
-   end function cam_clay_settles
+      finds = .true.
+   end function cam_clay_finds_rest_state
 
    !> Preconsolidation pressure and density under a stress: R times the ellipse through the stress,
    !! or `mcc_pc` where that is larger, and the mass that (Y.34) gives to the volume. Equation
    !! (Y.42).
-   pure subroutine cam_clay_settle(self, state, particle)
+   pure subroutine cam_clay_find_rest_state(self, state, particle)
       class(law_cam_clay_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state !! With stress and volume
       integer, intent(in) :: particle                !! Index in the store
@@ -201,7 +204,7 @@ contains
          - self%swelling*logarithm(pressure/self%pressure)
       state%own(state%own_index(field))%values(particle) = consolidated
       state%mass(particle) = self%density*self%specific/specific*state%volume(particle)
-   end subroutine cam_clay_settle
+   end subroutine cam_clay_find_rest_state
 
    !> It supports no tension.
    pure real(wp) function cam_clay_least_pressure(self) result(pressure)

@@ -36,8 +36,9 @@ module material_law
       procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
       procedure :: sets_bulk => law_sets_bulk        !! True if it gives the bulk modulus
       procedure :: starts_with_stress => law_starts_with_stress !! True if it has one at rest
-      procedure :: settles => law_settles            !! True if `settle` finds a state
-      procedure :: settle => law_settle              !! State at rest under a given stress
+      !> True if it finds the state that belongs to a stress
+      procedure :: finds_rest_state => law_finds_rest_state
+      procedure :: find_rest_state => law_find_rest_state !! State at rest under a given stress
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
       procedure :: supports_voids => law_supports_voids !! True if its material may be porous
@@ -157,18 +158,18 @@ contains
 
    !> True if the law finds its state under the stress of a weight. Only a law that gives the whole
    !! stress does; otherwise the pressure is that of the density.
-   pure logical function law_settles(self) result(settles)
+   pure logical function law_finds_rest_state(self) result(finds)
       class(law_t), intent(in) :: self
 
-      settles = .false.
-   end function law_settles
+      finds = .false.
+   end function law_finds_rest_state
 
    !> Set mass and fields of a particle so that the stress that it has is that of its state.
-   pure subroutine law_settle(self, state, particle)
+   pure subroutine law_find_rest_state(self, state, particle)
       class(law_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state           !! With stress and volume
       integer, intent(in) :: particle                          !! Index in the store
-   end subroutine law_settle
+   end subroutine law_find_rest_state
 
    !> True if the law has a shear modulus.
    pure logical function law_has_shear(self) result(has)

@@ -44,7 +44,7 @@ contains
       associate (material => simulation%materials(body%store))
          whole = .not. allocated(material%eos)
          if (whole) whole = .not. material%bulk_in_rate_form()
-         if (whole) whole = .not. material%law%settles()
+         if (whole) whole = .not. material%law%finds_rest_state()
          if (whole) call deck%add_error(group, "material '"//material%name//"' computes its "// &
             "stress from its deformation alone, which is zero at the start; write "// &
             "initial_stress = 'zero' [D423]", &
@@ -121,9 +121,9 @@ contains
       if (allocated(material%eos)) then
          call press(bodies, material, pressure, first, store)
       else if (allocated(material%law)) then
-         if (.not. material%law%settles()) return
+         if (.not. material%law%finds_rest_state()) return
          do p = first, first + store%count(tile) - 1
-            if (pressure(p - first + 1) > 0.0_wp) call material%law%settle(store%state, p)
+            if (pressure(p - first + 1) > 0.0_wp) call material%law%find_rest_state(store%state, p)
          end do
       end if
    end subroutine weigh_tile

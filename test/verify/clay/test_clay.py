@@ -6,7 +6,7 @@ by the strain of another volume, steps that are not of first order, a path of --
 of the clay, and wrong combinations of keys without a message.
 
 `scree --point` returns implicitly to the surface with the density as state. Here drained compression is a differential
-equation in the stress ratio eta = q/p (D. Muir Wood, Soil behaviour and critical state soil mechanics, 1990, chapter
+equation in the stress ratio eta = q/p (D. M. Wood, Soil behaviour and critical state soil mechanics, 1990, chapter
 5): p follows from the stress path, the strains from the flow rule. Undrained compression has closed forms; compression
 without lateral strain is a differential equation in the strain, with the compliance of stress ratio and pressure.
 """
@@ -101,13 +101,13 @@ def test_clay(options, sheet):
     near_all(sheet, "swelling line", v[40:], v[40] - KAPPA * np.log(p[40:] / p[40]), 1.0e-10)
 
     worst = []
-    for steps in (2500, 10000):
+    for steps in (1000, 4000):
         strain, p, q, v, consolidated = drive(options, f"drained_{steps}", f"path='triaxial'  confinement={P0}"
                                               f"  strain=-0.4  steps={steps}")
         known_q, known_v = drained(-strain)
         worst.append(max(np.abs(q - known_q).max() / known_q[-1], np.abs(v - known_v).max()))
     print(f"drained: worst errors {worst[0]:.2e} and {worst[1]:.2e}")
-    sheet.require(worst[1] < 2.0e-4, "drained compression")
+    sheet.require(worst[1] < 6.0e-4, "drained compression")
     sheet.require(3.0 < worst[0] / worst[1] < 5.5, "first order in the step")
 
     square = "path='free'  velocity_gradient=-1,0,0,0,0.5,0,0,0,0.5  strain=1.0  steps=4000"
@@ -120,10 +120,10 @@ def test_clay(options, sheet):
     sheet.near("its stress ratio", q[-1], M * p[-1], 1.0e-9)
     sheet.require((q / p).max() > 1.5 * M, "a stress ratio above that of the critical state")
 
-    strain, p, q, v, consolidated = drive(options, "confined", "strain=-0.2  steps=10000")
+    strain, p, q, v, consolidated = drive(options, "confined", "strain=-0.2  steps=2500")
     known_p, known_q = confined(-strain)
-    sheet.near("confined pressure", p[-1], known_p[-1], 1.0e-5)
-    sheet.near("confined shear", q[-1], known_q[-1], 1.0e-5)
+    sheet.near("confined pressure", p[-1], known_p[-1], 2.0e-5)
+    sheet.near("confined shear", q[-1], known_q[-1], 4.0e-5)
 
     for number, (more, words) in enumerate(WRONG.items()):
         _, done = run(options, f"wrong_{number}", "path='hydrostatic'", more)
