@@ -92,8 +92,8 @@ contains
          "preconsolidation pressure over mcc_p0, or over that of the stress of a weight", &
          default="1", range=">= 1", owner=owner)
       call schema%require("material", "mcc_m mcc_lambda mcc_kappa mcc_v0 mcc_p0")
-      call schema%forbid_change("material", "mcc_pc mcc_ocr", "the particles store their "// &
-         "preconsolidation pressure since the start")
+      call schema%forbid_change("material", "mcc_pc mcc_ocr mcc_lambda mcc_kappa mcc_v0 mcc_p0", &
+         "density and preconsolidation pressure of the particles belong to it")
    end subroutine cam_clay_declare
 
    !> Error in the combination of the keys; empty if there is none.
