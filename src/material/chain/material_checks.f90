@@ -45,6 +45,7 @@ contains
 
       derived = .false.
       if (allocated(material%eos)) derived = material%eos%sets_bulk()
+      if (allocated(material%law)) derived = derived .or. material%law%sets_bulk()
       if (derived) call deck%take_back(group, "bulk")
       young = group%given("young")
       poisson = group%given("poisson")
@@ -61,7 +62,8 @@ contains
       if (poisson .and. .not. young) call deck%add_error(group, &
          "young must be set [Pa], as poisson is given [D302]", "poisson")
       if (derived .and. bulk) call deck%add_error(group, &
-         "bulk is not used, as the equation of state gives it; remove it [D349]", "bulk")
+         "bulk is not used, as "//trim(merge("the equation of state", "strength_model       ", &
+         allocated(material%eos)))//" gives it; remove it [D349]", "bulk")
       if (shear .and. .not. strong) call deck%add_error(group, &
          "shear is not used by a material without strength; remove it [D349]", "shear")
       if (derived .and. young .and. .not. strong) call deck%add_error(group, &

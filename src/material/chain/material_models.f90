@@ -48,7 +48,7 @@ module material_models
       procedure :: draw_strength => models_draw_strength       !! Random strength of a particle
       procedure :: start_energy => models_start_energy !! Internal energy at the start
       procedure :: temperature_of => models_temperature_of !! Temperature of an energy at the start
-      procedure :: starts_with_energy => models_starts_with_energy !! True if it has energy then
+      procedure :: starts_with_stress => models_starts_with_stress !! True if it may have one then
       procedure :: is_gas_of_explosive => models_is_gas_of_explosive !! Products of a detonation
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
       procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
@@ -204,13 +204,14 @@ contains
          - self%eos%start_energy())/self%heat%specific_heat)
    end function models_temperature_of
 
-   !> True if material at rest has an energy, and with it perhaps a pressure.
-   pure logical function models_starts_with_energy(self) result(does)
+   !> True if material at rest may have a stress: from an energy, or from its law.
+   pure logical function models_starts_with_stress(self) result(does)
       class(models_t), intent(in) :: self
 
       does = .false.
       if (allocated(self%eos)) does = self%eos%starts_with_energy()
-   end function models_starts_with_energy
+      if (allocated(self%law)) does = does .or. self%law%starts_with_stress()
+   end function models_starts_with_stress
 
    !> True for the products of an explosive, which do not melt and have no strength.
    pure logical function models_is_gas_of_explosive(self) result(is_gas)

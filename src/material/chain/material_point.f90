@@ -48,7 +48,7 @@ contains
       self%state%volume = self%volume
       self%state%mass = chain%free_density(self%temperature)*self%volume
       call chain%start(self%state, 1, 1, self%temperature)
-      if (chain%starts_with_energy() .or. has_energy(self%state, 1, 1)) &
+      if (chain%starts_with_stress() .or. has_energy(self%state, 1, 1)) &
          call chain%find_rest_stress(self%state, 1, 1)
       self%deformation%gradient = 0.0_wp
       self%deformation%wave_speed(1) = chain%signal_speed(self%state, 1, 1)
@@ -167,20 +167,21 @@ contains
       end do
    end subroutine balance
 
-   !> Load the point from all sides.
+   !> Load the point from all sides, from the pressure that it has.
    pure subroutine confine(point, chain)
       type(point_t), intent(inout) :: point
       class(chain_t), intent(in) :: chain
       integer, parameter :: steps = 50
-      real(wp) :: lateral, whole, none(9)
+      real(wp) :: lateral, whole, none(9), from
       integer :: step
 
       if (.not. point%confinement > 0.0_wp) return
       lateral = 0.0_wp
       none = 0.0_wp
       whole = point%confinement
+      from = -sum(point%state%stress(1, 1:3))/3.0_wp
       do step = 1, steps
-         point%confinement = whole*real(step, wp)/real(steps, wp)
+         point%confinement = from + (whole - from)*real(step, wp)/real(steps, wp)
          call balance(point, chain, none, [1, 5, 9], 1.0_wp/point%rate, lateral)
       end do
    end subroutine confine

@@ -142,6 +142,7 @@ contains
          material%law%bulk = material%bulk
          material%law%density = material%density
          call material%law%read(group, effects)
+         if (material%law%sets_bulk()) material%bulk = material%law%bulk
          ! Material without cohesion and tension is loose from the start.
          if (allocated(material%voids)) &
             material%voids%loose = material%law%least_pressure() >= 0.0_wp

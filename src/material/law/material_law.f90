@@ -34,6 +34,11 @@ module material_law
       procedure :: fault => law_fault                !! Error in the combination of its keys
       procedure :: read => law_read                  !! Reads its keys
       procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
+      procedure :: sets_bulk => law_sets_bulk        !! True if it gives the bulk modulus
+      procedure :: starts_with_stress => law_starts_with_stress !! True if it has one at rest
+      !> True if it finds the state that belongs to a stress
+      procedure :: finds_rest_state => law_finds_rest_state
+      procedure :: find_rest_state => law_find_rest_state !! State at rest under a given stress
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
       procedure :: supports_voids => law_supports_voids !! True if its material may be porous
@@ -135,6 +140,36 @@ contains
 
       whole = .false.
    end function law_gives_whole_stress
+
+   !> True if the bulk modulus follows from the keys of the law and is no key of the material.
+   pure logical function law_sets_bulk(self) result(sets)
+      class(law_t), intent(in) :: self
+
+      sets = .false.
+   end function law_sets_bulk
+
+   !> True if the material has a stress in its reference state, which a law that gives the whole
+   !! stress computes.
+   pure logical function law_starts_with_stress(self) result(starts)
+      class(law_t), intent(in) :: self
+
+      starts = .false.
+   end function law_starts_with_stress
+
+   !> True if the law finds its state under the stress of a weight. Only a law that gives the whole
+   !! stress does; otherwise the pressure is that of the density.
+   pure logical function law_finds_rest_state(self) result(finds)
+      class(law_t), intent(in) :: self
+
+      finds = .false.
+   end function law_finds_rest_state
+
+   !> Set mass and fields of a particle so that the stress that it has is that of its state.
+   pure subroutine law_find_rest_state(self, state, particle)
+      class(law_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state           !! With stress and volume
+      integer, intent(in) :: particle                          !! Index in the store
+   end subroutine law_find_rest_state
 
    !> True if the law has a shear modulus.
    pure logical function law_has_shear(self) result(has)

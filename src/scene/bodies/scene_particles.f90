@@ -220,7 +220,7 @@ contains
       do tile = 1, size(store%count)
          call start_tile(bodies, material, tile, store)
          if (any(bodies%energy > 0.0_wp .and. bodies%store == index) .or. &
-            material%starts_with_energy() .or. has_energy(store%state, store%first(tile), &
+            material%starts_with_stress() .or. has_energy(store%state, store%first(tile), &
             store%first(tile) + store%count(tile) - 1)) call material%find_rest_stress( &
             store%state, store%first(tile), store%first(tile) + store%count(tile) - 1)
       end do

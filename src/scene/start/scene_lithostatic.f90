@@ -44,6 +44,7 @@ contains
       associate (material => simulation%materials(body%store))
          whole = .not. allocated(material%eos)
          if (whole) whole = .not. material%bulk_in_rate_form()
+         if (whole) whole = .not. material%law%finds_rest_state()
          if (whole) call deck%add_error(group, "material '"//material%name//"' computes its "// &
             "stress from its deformation alone, which is zero at the start; write "// &
             "initial_stress = 'zero' [D423]", &
@@ -117,7 +118,14 @@ contains
          end associate
          pressure(p - first + 1) = (weight + 2.0_wp*across)/3.0_wp
       end do
-      if (allocated(material%eos)) call press(bodies, material, pressure, first, store)
+      if (allocated(material%eos)) then
+         call press(bodies, material, pressure, first, store)
+      else if (allocated(material%law)) then
+         if (.not. material%law%finds_rest_state()) return
+         do p = first, first + store%count(tile) - 1
+            if (pressure(p - first + 1) > 0.0_wp) call material%law%find_rest_state(store%state, p)
+         end do
+      end if
    end subroutine weigh_tile
 
    !> Mass per area of the column above a position, up to the first gap [kg/m2]. Bodies without
