@@ -8,10 +8,10 @@ import math
 
 TILE_CELLS, TILE_NODES = 6, 7           # cells and nodes along an edge of a tile, three dimensions
 # Numbers per node in each exchange of patches of a step with the default method, in three dimensions, and the layers of
-# cells beside its tiles of which a rank needs the nodes; None: whole tiles.
-EXCHANGES = {"mpm": ((7, 0), (3, None)), "ddmp": ((17, 3),)}
+# cells beside its tiles of which a rank needs the nodes.
+EXCHANGES = {"mpm": ((7, 0), (3, 0)), "ddmp": ((17, 3),)}
 COVERS = {"mpm": 0, "ddmp": 1}          # numbers per cell in the first of them: the part that particles cover
-HEADERS = 3, 1                          # words of a patch before its numbers: key and box, or key
+HEADER = 3                              # words of a patch before its numbers: key and box
 WORD = 8                                # bytes
 
 
@@ -31,14 +31,12 @@ def copies(tiles, ranks):
 
 def boxes_of(layers):
     """Nodes that a rank needs of a tile beside a face, an edge and a corner of its tiles."""
-    if layers is None:
-        return 3 * (TILE_NODES ** 3,)
     return tuple((layers + 1) ** sides * TILE_NODES ** (3 - sides) for sides in (1, 2, 3))
 
 
 def words_of(method, exchange, columns, nodes, cells):
     """Words of a patch in an exchange, from its numbers per node and those of its nodes and cells."""
-    patch = HEADERS[exchange] + columns * nodes
+    patch = HEADER + columns * nodes
     return patch + COVERS[method] * cells if exchange == 0 else patch
 
 

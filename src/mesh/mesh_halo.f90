@@ -51,15 +51,16 @@ module mesh_halo
 contains
 
    !> Send the patches of border tiles, and store received ones as ghosts of this rank.
-   subroutine exchange_patches(communicator, grid, tiles, halo, patch)
+   subroutine exchange_patches(communicator, grid, tiles, halo, patch, layers)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets ghosts
       type(halo_t), intent(inout) :: halo            !! Lists of messages; updated
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
+      integer, intent(in) :: layers                  !! Of cells beside own tiles that are needed
 
       call halo%plan(communicator, grid, tiles)
-      call halo%post(communicator, grid, tiles, patch, huge(1))
+      call halo%post(communicator, grid, tiles, patch, layers)
       call halo%complete(communicator, grid, tiles, patch)
    end subroutine exchange_patches
 

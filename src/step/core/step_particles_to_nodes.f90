@@ -99,8 +99,9 @@ contains
       type(velocity_field_t), intent(in) :: field
 
       layers = whole_tiles
-      if (allocated(effects%contact) .or. allocated(effects%conduction) .or. &
-         allocated(effects%exact) .or. allocated(space%rigid) .or. allocated(field%sides)) return
+      if (space%grid%margin > 0 .or. allocated(effects%contact) .or. &
+         allocated(effects%conduction) .or. allocated(effects%exact) .or. &
+         allocated(space%rigid) .or. allocated(field%sides)) return
       layers = merge(dual_layers, 0, scheme%method%dual)
    end function layers_needed
 
