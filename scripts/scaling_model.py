@@ -43,7 +43,9 @@ def words_of(method, exchange, columns, nodes, cells):
 def traffic(method, tiles, ranks):
     """Messages and bytes of patches that a rank with this number of tiles sends in a step."""
     words = 0
+    # few ranks with one tile each, in a periodic block, have the same neighbour on both sides
+    one = tiles == 1 and ranks <= 26
     for exchange, (columns, layers) in enumerate(EXCHANGES[method]):
-        for number, nodes in zip(copies(tiles, ranks), boxes_of(layers)):
+        for number, nodes in zip(copies(tiles, ranks), boxes_of(TILE_CELLS if one else layers)):
             words += number * words_of(method, exchange, columns, nodes, TILE_CELLS ** 3)
     return len(EXCHANGES[method]) * min(26, ranks - 1), WORD * words

@@ -180,7 +180,7 @@ contains
       integer :: entry, at, y, z, node, number
 
       if (communicator%size == 1) return
-      call start_entries(self, grid, tiles, layers, size(patch, 1), 0, first, box)
+      call start_entries(self, grid, tiles, layers, size(patch, 1), first, box)
       !$omp parallel do default(none) shared(self, grid, patch, first, box) &
       !$omp private(entry, at, y, z, node, number) schedule(static)
       do entry = 1, size(self%tile)
@@ -250,7 +250,7 @@ contains
       if (communicator%size == 1) return
       more = 0
       if (allocated(cells)) more = size(cells, 1)
-      call start_entries(self, grid, tiles, layers, sum(kept_rows(packed)), more, first, box)
+      call start_entries(self, grid, tiles, layers, sum(kept_rows(packed)), first, box, more)
       !$omp parallel do default(none) shared(self, boxes, packed, cells, first, box) &
       !$omp private(entry) schedule(static)
       do entry = 1, size(self%tile)
@@ -261,22 +261,24 @@ contains
    end subroutine halo_post_packed
 
    !> Find the boxes of the entries and where their words begin, and write their headings.
-   subroutine start_entries(self, grid, tiles, layers, rows, more, first, box)
+   subroutine start_entries(self, grid, tiles, layers, rows, first, box, more)
       type(halo_t), intent(inout) :: self            !! The plan, gets the memory of the words
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       integer, intent(in) :: layers                  !! Of cells that the receivers need
       integer, intent(in) :: rows                    !! Numbers of a node
-      integer, intent(in) :: more                    !! Numbers of an entry besides
       integer, allocatable, intent(out) :: first(:)  !! (entry + 1) Words before it
       integer, allocatable, intent(out) :: box(:, :, :) !! (3, 2, entry) Nodes
+      !> Numbers of an entry besides, with packed patches; these end with a thin tile
+      integer, intent(in), optional :: more
       integer :: entry
 
       allocate (first(size(self%tile) + 1), box(3, 2, size(self%tile)))
       first(1) = 0
       do entry = 1, size(self%tile)
-         box(:, :, entry) = self%box(grid, tiles, entry, layers)
-         first(entry + 1) = first(entry) + header + nodes_of(box(:, :, entry))*rows + more
+         box(:, :, entry) = self%box(grid, tiles, entry, layers, .not. present(more))
+         first(entry + 1) = first(entry) + header + nodes_of(box(:, :, entry))*rows
+         if (present(more)) first(entry + 1) = first(entry + 1) + more
       end do
       call ensure_outgoing(self, first(size(first)))
       do entry = 1, size(self%tile)
@@ -342,19 +344,22 @@ contains
    end subroutine find_reach
 
    !> The box of the nodes of an entry that its rank needs.
-   pure function halo_box(self, grid, tiles, entry, layers) result(box)
+   pure function halo_box(self, grid, tiles, entry, layers, beyond) result(box)
       class(halo_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       integer, intent(in) :: entry
       integer, intent(in) :: layers                  !! Of cells next to the tiles of the rank
+      logical, intent(in) :: beyond                  !! With nodes beyond the end of a thin tile?
       integer :: box(3, 2)                           !! Lowest and highest node, from 0
-      integer :: extent(3), margin(3)
+      integer :: extent(3), last(3), margin(3)
 
       extent = extent_of(grid, tiles, self%tile(entry))
       margin = merge(grid%margin, 0, grid%active)
+      last = extent
+      if (beyond) last = merge(grid%width, 0, grid%active)
       box(:, 1) = merge(-margin, max(extent - layers, 0), self%reach(:, 1, entry))
-      box(:, 2) = merge(extent + margin, min(layers, extent), self%reach(:, 2, entry))
+      box(:, 2) = merge(last + margin, min(layers, extent), self%reach(:, 2, entry))
    end function halo_box
 
    !> Nodes of a box.
