@@ -359,7 +359,7 @@ contains
       last = extent
       if (beyond) last = merge(grid%width, 0, grid%active)
       box(:, 1) = merge(-margin, max(extent - layers, 0), self%reach(:, 1, entry))
-      box(:, 2) = merge(last + margin, min(layers, extent), self%reach(:, 2, entry))
+      box(:, 2) = merge(last + margin, min(layers, last), self%reach(:, 2, entry))
    end function halo_box
 
    !> Nodes of a box.
