@@ -31,6 +31,7 @@ module mesh_packed_patch
       procedure :: grow => packed_grow               !! Reserve memory for more nodes
       procedure :: put => packed_pack                 !! Pack the patch of a tile
       procedure :: get => packed_unpack                 !! Unpack the patch of a tile
+      procedure :: cut => packed_cut                 !! Numbers of a box of nodes of a tile
       procedure :: assemble => packed_assemble       !! Sum the patches of a tile and its neighbours
       procedure :: length => packed_length           !! Capacity in numbers
    end type packed_patch_t
@@ -202,6 +203,42 @@ contains
          end do
       end select
    end subroutine copy_line
+
+   !> Numbers of the kept rows in a box of nodes of a tile; zero where it has no packed nodes.
+   pure subroutine packed_cut(self, boxes, tile, box, values)
+      class(packed_patch_t), intent(in) :: self
+      type(node_boxes_t), intent(in) :: boxes        !! Boxes of the tiles
+      integer, intent(in) :: tile
+      integer, intent(in) :: box(3, 2)               !! Lowest and highest node, from 0
+      real(wp), intent(out) :: values(:)             !! (row kept, node) Flat
+      integer :: low(3), high(3), y, z, here, number
+      integer(int64) :: there
+
+      values = 0.0_wp
+      if (boxes%before(tile + 1) == boxes%before(tile)) return
+      associate (have => boxes%box(:, :, tile), kept => size(self%row))
+         low = max(box(:, 1), have(:, 1))
+         high = min(box(:, 2), have(:, 2))
+         number = kept*(high(1) - low(1) + 1)
+         if (number <= 0) return
+         do z = low(3), high(3)
+            do y = low(2), high(2)
+               here = kept*nodes_before(box, [low(1), y, z])
+               there = int(kept, int64)*(boxes%before(tile) + nodes_before(have, [low(1), y, z]))
+               values(here + 1:here + number) = self%values(there + 1:there + number)
+            end do
+         end do
+      end associate
+   end subroutine packed_cut
+
+   !> Nodes of a box before one of them.
+   pure integer function nodes_before(box, node) result(number)
+      integer, intent(in) :: box(3, 2)               !! Lowest and highest node
+      integer, intent(in) :: node(3)                 !! One of its nodes
+
+      number = node(1) - box(1, 1) + (box(1, 2) - box(1, 1) + 1)*(node(2) - box(2, 1) &
+         + (box(2, 2) - box(2, 1) + 1)*(node(3) - box(3, 1)))
+   end function nodes_before
 
    !> Unpack the patch of a tile.
    pure subroutine packed_unpack(self, grid, boxes, tile, patch)

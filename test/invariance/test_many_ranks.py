@@ -22,7 +22,7 @@ from PIL import Image
 
 import case
 import scaling
-from scaling_model import TILE_CELLS, TILE_NODES, WORD, words_of
+from scaling_model import EXCHANGES, TILE_CELLS, WORD, boxes_of, words_of
 
 STEPS = 3
 CALLS = 4                               # ends of two exchanges, reductions of the time step and of node displacements
@@ -69,8 +69,10 @@ def test_neighbours(options, sheet):
     many = scaling.run(small, deck, 36, 1, "block_36")
     sheet.require(many["digest"] == one["digest"], f"36 ranks: digest {many['digest']}, not {one['digest']}")
     counts = many["rank_counts"]
-    words = words_of("ddmp", TILE_NODES ** 3, TILE_CELLS ** 3)
-    for name, expected in (("messages", STEPS * NEIGHBOURS), ("bytes", STEPS * NEIGHBOURS * WORD * words),
+    (columns, layers), = EXCHANGES["ddmp"]
+    words = sum(number * words_of("ddmp", 0, columns, nodes, TILE_CELLS ** 3)
+                for number, nodes in zip((6, 12, 8), boxes_of(layers)))
+    for name, expected in (("messages", STEPS * NEIGHBOURS), ("bytes", STEPS * WORD * words),
                            ("collective_calls", STEPS * CALLS), ("tiles", STEPS), ("ghost_tiles", STEPS * NEIGHBOURS),
                            ("memory_by_ranks_bytes", WORD * 37)):
         found = counts[name]

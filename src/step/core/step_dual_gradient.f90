@@ -6,11 +6,13 @@ module step_dual_gradient
    use ddmp_dual, only: dual_t
    use mesh_grid, only: grid_t
    use mesh_packed_patch, only: packed_patch_t
-   use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
+   use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, extent_of, &
+      widen_box
+   use mesh_tiles, only: neighbors
    use step_bounds, only: are_nodes_slow
    use step_method, only: method_t, stress_after
    use step_node_fields, only: dual_nodes_t, empty_mass, motion_nodes_t, nodes_t, stress_rows, &
-      tensor_rows, vector_rows
+      tensor_rows, vector_rows, whole_tiles
    use step_node_sums, only: divide_nodes, ensure_sums, keep_sums, count_slots
    use step_particles_to_nodes, only: nodes_seen
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
@@ -131,6 +133,8 @@ contains
             if (allocated(field%sides)) call field%sides%drop_cells(grid, tile, &
                dual%weight(:, tile))
          end if
+         if (tile > space%tiles%own) call keep_cells(grid, motion%touched%box(:, :, tile), &
+            dual%weight(:, tile))
          call widen_weighted(grid, dual, tile)
       end associate
 
@@ -145,6 +149,21 @@ contains
             field%nodes%dual%weight(:, tile), both%covered(:, tile))
       end subroutine weigh_cells
    end subroutine weigh_tile
+
+   !> Cells of a tile of another rank outside of the box of nodes whose sums are known count with
+   !! weight 0: no own tile needs them.
+   pure subroutine keep_cells(grid, box, weight)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: box(3, 2)               !! Lowest and highest node, from 0
+      real(wp), intent(inout) :: weight(0:)          !! (cell)
+      integer :: cell, upper(3)
+
+      upper = merge(1, 0, grid%active)
+      do cell = 0, grid%tile_cells - 1
+         if (any(grid%cell_position(:, cell) < box(:, 1)) .or. &
+            any(grid%cell_position(:, cell) + upper > box(:, 2))) weight(cell) = 0.0_wp
+      end do
+   end subroutine keep_cells
 
    !> The box of the nodes of the cells of a tile that have a weight.
    pure subroutine widen_weighted(grid, dual, tile)
@@ -185,6 +204,37 @@ contains
          dual_nodes%volume(:, :, slot))
    end subroutine find_volumes
 
+   !> Weights of the cells of a tile; zero for those of a tile of another rank whose contributions
+   !! no own tile needs, because they are too far from it.
+   pure subroutine near_weights(space, nodes, tile, less, weight)
+      type(space_t), intent(in) :: space
+      type(nodes_t), intent(in) :: nodes
+      integer, intent(in) :: tile
+      integer, intent(in) :: less     !! How many of the layers that are known are not needed
+      real(wp), intent(out) :: weight(0:)            !! (cell)
+      integer :: place, shift(3), extent(3), low(3), high(3), cell, layers
+      logical :: near(0:size(weight) - 1)
+
+      weight = nodes%dual%weight(:, tile)
+      if (tile <= space%tiles%own .or. nodes%motion%layers == whole_tiles) return
+      layers = nodes%motion%layers - less
+      extent = max(extent_of(space%grid, space%tiles, tile), 1)
+      near = .false.
+      do place = 1, neighbors
+         associate (other => space%tiles%neighbor(place, tile))
+            if (other == 0 .or. other > space%tiles%own) cycle
+         end associate
+         shift = [mod(place - 1, 3), mod((place - 1)/3, 3), (place - 1)/9] - 1
+         low = merge(extent - layers, 0, shift > 0)
+         high = merge(layers - 1, extent - 1, shift < 0)
+         do cell = 0, size(weight) - 1
+            near(cell) = near(cell) .or. (all(space%grid%cell_position(:, cell) >= low) .and. &
+               all(space%grid%cell_position(:, cell) <= high))
+         end do
+      end do
+      where (.not. near) weight = 0.0_wp
+   end subroutine near_weights
+
    !> Force of the node stress of the cells of a tile.
    subroutine force_tile(space, scheme, nodes, tile)
       type(space_t), intent(in) :: space
@@ -192,6 +242,7 @@ contains
       type(nodes_t), intent(inout) :: nodes
       integer, intent(in) :: tile
       real(wp) :: stress(9, space%grid%tile_nodes), force(3, space%grid%tile_nodes)
+      real(wp) :: weight(space%grid%tile_cells)
       integer :: slot, node, k, at(9)
       integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
 
@@ -220,9 +271,9 @@ contains
          end if
          call space%boundary%mirror(grid, coordinate, stress)
          call clear_patch(force)
-         call scheme%dual%add_force(grid, coordinate, dual%weight(:, tile), stress, force)
-         if (scheme%dual%hoops) call scheme%dual%add_hoop_force(grid, dual%weight(:, tile), &
-            stress, force)
+         call near_weights(space, nodes, tile, 1, weight)
+         call scheme%dual%add_force(grid, coordinate, weight, stress, force)
+         if (scheme%dual%hoops) call scheme%dual%add_hoop_force(grid, weight, stress, force)
          call dual%force%put(grid, dual%weighted, tile, 1, force)
       end associate
    end subroutine force_tile
@@ -267,21 +318,20 @@ contains
    end subroutine limit_tile_gains
 
    !> Contribution of the cells of a tile to the node gradient of a velocity.
-   pure subroutine store_gradient(space, dual, dual_nodes, tile, velocity, gradient)
+   pure subroutine store_gradient(space, dual, nodes, tile, velocity, gradient)
       type(space_t), intent(in) :: space
       type(dual_t), intent(in) :: dual
-      type(dual_nodes_t), intent(in) :: dual_nodes
+      type(nodes_t), intent(in) :: nodes
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       type(packed_patch_t), intent(inout) :: gradient      !! Gets the gradient [m3/s]
-      real(wp) :: patch(9, space%grid%tile_nodes)
+      real(wp) :: patch(9, space%grid%tile_nodes), weight(space%grid%tile_cells)
 
       call clear_patch(patch)
-      call dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
-         dual_nodes%weight(:, tile), velocity, patch)
-      if (dual%hoops) call dual%add_hoop_rate(space%grid, dual_nodes%weight(:, tile), velocity, &
-         patch)
-      call gradient%put(space%grid, dual_nodes%weighted, tile, 1, patch)
+      call near_weights(space, nodes, tile, 2, weight)
+      call dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), weight, velocity, patch)
+      if (dual%hoops) call dual%add_hoop_rate(space%grid, weight, velocity, patch)
+      call gradient%put(space%grid, nodes%dual%weighted, tile, 1, patch)
    end subroutine store_gradient
 
    !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation

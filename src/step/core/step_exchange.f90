@@ -5,8 +5,9 @@ module step_exchange
    use base_communicator, only: communicator_t
    use base_kinds, only: wp
    use step_method, only: method_t
-   use step_node_fields, only: motion_nodes_t
+   use step_node_fields, only: motion_nodes_t, whole_tiles
    use step_simulation, only: machine_t, space_t
+   use step_tile_cost, only: charge_own_tiles
    implicit none
    private
 
@@ -33,19 +34,24 @@ contains
    end subroutine next_tiles
 
    !> Send the patches after the edge tiles, and receive those of other ranks after the inner tiles.
-   subroutine send_patches(space, machine, part, patch)
+   subroutine send_patches(space, machine, part, patch, layers)
       type(space_t), intent(inout) :: space
       type(machine_t), intent(inout) :: machine
       integer, intent(in) :: part                    !! Work on tiles
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
+      !> Layers of cells beside own tiles whose nodes are needed; default: whole tiles
+      integer, intent(in), optional :: layers
       real(wp) :: waited
+      integer :: needed
 
       if (machine%communicator%size == 1) return
       associate (communicator => machine%communicator, phase => machine%phase)
          call machine%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
-            call space%halo%post(communicator, space%tiles, patch)
+            needed = whole_tiles
+            if (present(layers)) needed = layers
+            call space%halo%post(communicator, space%grid, space%tiles, patch, needed)
          else
             call space%halo%complete(communicator, space%grid, space%tiles, patch)
          end if
@@ -72,10 +78,11 @@ contains
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
             call space%halo%post_packed(communicator, space%grid, space%tiles, motion%touched, &
-               motion%packed(:kinds), motion%covered)
+               motion%packed(:kinds), motion%covered, motion%layers)
          else
             call space%halo%complete_packed(communicator, space%grid, space%tiles, motion%touched, &
                motion%packed(:kinds), motion%covered)
+            call charge_own_tiles(space%tiles, machine)
          end if
          call machine%timer%stop(phase%exchange)
          if (part == inner_tiles) call machine%timer%move(phase%exchange, phase%wait, &

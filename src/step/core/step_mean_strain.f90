@@ -42,7 +42,7 @@ contains
             !$omp parallel default(none) shared(simulation, field, parts, tiles)
             call scatter_some(simulation, field, parts, tiles)
             !$omp end parallel
-            call send_patches(space, machine, part, stress%strain)
+            call send_patches(space, machine, part, stress%strain, 0)
          end do
          call machine%timer%stop(machine%phase%scatter)
       end associate

@@ -312,16 +312,16 @@ contains
       call limit_tile_gains(space, scheme%method, nodes, tile, slot, dt)
       if (scheme%method%averages()) then
          ! the strain velocity at the end of the step is mapped later
-         call store_gradient(space, scheme%dual, nodes%dual, tile, &
+         call store_gradient(space, scheme%dual, nodes, tile, &
             nodes%motion%velocity(:, :, slot), nodes%dual%gradient_before)
       else
-         call store_gradient(space, scheme%dual, nodes%dual, tile, &
+         call store_gradient(space, scheme%dual, nodes, tile, &
             nodes%motion%strain(:, :, slot), nodes%dual%gradient)
       end if
       if (.not. scheme%works) return
       call combine(1.0_wp, nodes%motion%velocity(:, :, slot), 0.5_wp*dt, &
          nodes%motion%acceleration(:, :, slot), centre)
-      call store_gradient(space, scheme%dual, nodes%dual, tile, centre, nodes%dual%middle_gradient)
+      call store_gradient(space, scheme%dual, nodes, tile, centre, nodes%dual%middle_gradient)
    end subroutine finish_tile
 
    !> Record the work of boundaries and gravity on the nodes of a tile at the mean of the velocity
@@ -445,7 +445,7 @@ contains
       !$omp schedule(static)
       do tile = 1, space%tiles%all
          call start_cost(machine, tile)
-         call store_gradient(space, scheme%dual, nodes%dual, tile, &
+         call store_gradient(space, scheme%dual, nodes, tile, &
             nodes%motion%strain(:, :, tile), nodes%dual%gradient)
          call stop_cost(machine, tile)
       end do

@@ -19,7 +19,9 @@ module step_node_fields
       normalised_nodes_t, stress_rows, tensor_rows, vector_rows
 
    integer, parameter, public :: mean_before = 2     !! Columns before those of the mean stress
-
+   !> Layers of cells next to own tiles, if all cells of the tiles of other ranks there are needed
+   integer, parameter, public :: whole_tiles = huge(1)
+   integer, parameter, public :: dual_layers = 3     !! The same for the dual gradient
 
    !> Nodes with less mass or volume than this count as empty. The value is below the contribution
    !! of any particle, and its inverse is finite.
@@ -71,6 +73,7 @@ module step_node_fields
       !! patches keep the velocity and acceleration that the particles need
       logical :: lean = .false.
       type(packed_patch_t) :: seen(2)
+      integer :: layers = whole_tiles  !! Layers of cells of the tiles of other ranks that are needed
       real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]

@@ -11,7 +11,8 @@ module step_particles_to_nodes
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_motion
    use step_method, only: method_t
-   use step_node_fields, only: motion_nodes_t, nodes_t, stress_rows, tensor_rows, vector_rows
+   use step_node_fields, only: dual_layers, motion_nodes_t, nodes_t, stress_rows, tensor_rows, &
+      vector_rows, whole_tiles
    use step_simulation, only: machine_t, scheme_t, scratch_t, simulation_effects_t, space_t, &
       velocity_field_t
    use step_tile_cost, only: start_cost, stop_cost
@@ -48,6 +49,7 @@ contains
       call machine%timer%start(machine%phase%scatter)
       call find_boxes(space, stores, scheme, effects, machine, field)
       call ensure_motion(space%grid, scheme%method, field%nodes)
+      field%nodes%motion%layers = layers_needed(space, scheme, effects, field)
       if (scheme%weighs()) call ensure_weights(field%nodes%motion%covered, space%grid%tile_cells, &
          space%tiles%own)
       if (field%other > 0) then
@@ -83,6 +85,25 @@ contains
       end do
       call machine%timer%stop(machine%phase%scatter)
    end subroutine particles_to_nodes
+
+   !> Layers of cells of the tiles of other ranks, next to own tiles, that give the nodes of own
+   !! tiles their values. The plain gradient needs the sums of the common nodes alone. The dual
+   !! gradient of these nodes has contributions of one layer of cells; those come from velocities of
+   !! the next nodes, whose force has contributions of a second layer; that comes from the stress of
+   !! the nodes beyond, whose volume has contributions of a third one. Where nodes have more than
+   !! that, the whole tiles are needed.
+   pure integer function layers_needed(space, scheme, effects, field) result(layers)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(simulation_effects_t), intent(in) :: effects
+      type(velocity_field_t), intent(in) :: field
+
+      layers = whole_tiles
+      if (space%grid%margin > 0 .or. allocated(effects%contact) .or. &
+         allocated(effects%conduction) .or. allocated(effects%exact) .or. &
+         allocated(space%rigid) .or. allocated(field%sides)) return
+      layers = merge(dual_layers, 0, scheme%method%dual)
+   end function layers_needed
 
    !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
    !! these nodes alone.

@@ -239,6 +239,7 @@ module step_simulation
       type(load_t) :: load                           !! How evenly the ranks work
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
       integer(int64), allocatable :: cost_key(:)     !! (own tile) Key of the tile at that time
+      integer, allocatable :: cause(:) !! (tile of another rank) Own tile that causes work there
       real(wp) :: worked = 0.0_wp                    !! Processor time of the rank in its steps [s]
       type(rank_work_t) :: work                      !! Counts of work and communication
    end type machine_t

@@ -47,7 +47,7 @@ contains
             call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
-         call send_patches(space, machine, part, effects%turn)
+         call send_patches(space, machine, part, effects%turn, 0)
       end do
       !$omp parallel do default(none) shared(space, stores, effects, machine) private(tile) &
       !$omp schedule(dynamic, 1)

@@ -9,6 +9,7 @@ module step_velocity_remap
    use step_dual_gradient, only: node_gradient
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_method, only: method_t
+   use step_node_fields, only: whole_tiles
    use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_simulation, only: machine_t, scheme_t, scratch_t, space_t, velocity_field_t
    use step_tile_cost, only: start_cost, stop_cost
@@ -33,9 +34,12 @@ contains
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer, allocatable :: tiles(:)
-      integer :: part, n
+      integer :: part, n, layers
 
       call machine%timer%start(machine%phase%scatter)
+      ! velocities need two layers of cells less than volumes
+      layers = field%nodes%motion%layers
+      if (layers /= whole_tiles) layers = max(layers - 2, 0)
       call ensure_patch(field%nodes%remap, merge(4, 3, scheme%method%transfer%affine() &
          .and. .not. scheme%method%averages()), space%grid%tile_nodes, space%tiles%own)
       do part = edge_tiles, inner_tiles
@@ -49,7 +53,7 @@ contains
             call stop_cost(machine, tiles(n))
          end do
          !$omp end parallel do
-         call send_patches(space, machine, part, field%nodes%remap)
+         call send_patches(space, machine, part, field%nodes%remap, layers)
       end do
       call machine%timer%stop(machine%phase%scatter)
    end subroutine remap_momentum

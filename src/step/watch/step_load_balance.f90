@@ -40,6 +40,7 @@ contains
       end if
       call move_alloc(cost, machine%cost)
       machine%cost_key = tiles%key(:tiles%own)
+      if (allocated(machine%cause)) deallocate (machine%cause)
    end subroutine watch_costs
 
    !> The measured work, for the present tiles; both lists of tiles ascend. New tiles have none.
