@@ -31,8 +31,8 @@ module mesh_halo
       integer, allocatable :: rank(:)                !! Ranks around
       integer, allocatable :: before(:)              !! (rank around + 1) Entries before it
       integer, allocatable :: tile(:)                !! Own tiles to send, grouped by rank
-      !> (3, lower or upper end, entry) Does its rank need the nodes up to there, however far from its
-      !! own tiles?
+      !> (3, lower or upper end, entry) Does its rank need the nodes up to there, however far from
+      !! its own tiles?
       logical, allocatable, private :: reach(:, :, :)
       integer(int64) :: messages = 0                 !! Messages sent so far
       integer(int64) :: words = 0                    !! Words of 8 bytes in the messages
@@ -223,10 +223,12 @@ contains
       type(halo_t), intent(inout) :: self            !! The plan, with the words
       type(communicator_t), intent(inout) :: communicator
       integer, intent(in) :: first(:)                !! (entry + 1) Words before it
+      integer :: length(size(self%rank)), group
 
-      associate (length => first(self%before(2:) + 1) - first(self%before(:size(self%rank)) + 1))
-         call communicator%post(self%rank, length, self%posted)
-      end associate
+      do group = 1, size(length)
+         length(group) = first(self%before(group + 1) + 1) - first(self%before(group) + 1)
+      end do
+      call communicator%post(self%rank, length, self%posted)
       self%messages = self%messages + size(self%rank)
       self%words = self%words + first(size(first))
    end subroutine send_words
@@ -316,7 +318,7 @@ contains
    !> Find up to which ends of its border tiles the receivers need nodes: those next to their tiles,
    !! and those of directions in which they have a tile beside it.
    subroutine find_reach(self, grid, tiles)
-      type(halo_t), intent(inout) :: self            !! The plan
+      type(halo_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       integer :: group, entry, place, shift(3)
@@ -348,7 +350,7 @@ contains
       class(halo_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      integer, intent(in) :: entry
+      integer, intent(in) :: entry                   !! Tile and rank
       integer, intent(in) :: layers                  !! Of cells next to the tiles of the rank
       logical, intent(in) :: beyond                  !! With nodes beyond the end of a thin tile?
       integer :: box(3, 2)                           !! Lowest and highest node, from 0
@@ -507,8 +509,8 @@ contains
       end do
    end subroutine as_numbers
 
-   !> Receive patches, and store their tiles as ghosts after the own tiles. Nodes that are not needed
-   !! have zeros.
+   !> Receive patches, and store their tiles as ghosts after the own tiles. Nodes that are not
+   !! needed have zeros.
    subroutine halo_complete(self, communicator, grid, tiles, patch)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(inout) :: communicator

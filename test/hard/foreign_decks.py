@@ -39,9 +39,10 @@ import math
 import os
 import random
 import re
+import resource
 import shutil
+import signal
 import subprocess
-import time
 
 import numpy as np
 
@@ -732,8 +733,9 @@ class Verdict:
         self.findings.append((cause, detail))
 
 
-def judge(scree, scene, folder, options=(), limit=60.0):
-    """Run the deck of a scene in a folder and check it."""
+def judge(scree, scene, folder, options=(), limit=60):
+    """Run the deck of a scene in a folder and check it. The limit is processor time [s], so that other programs do not
+    make a run slow."""
     verdict = Verdict(scene.seed, scene.kind, scene.name, scene.dimension)
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
@@ -741,13 +743,15 @@ def judge(scree, scene, folder, options=(), limit=60.0):
     with open(deck, "w", encoding="utf-8") as file:
         file.write(scene.deck)
     words = [str(scree), "-q", "--overwrite", "--outdir", os.path.join(folder, "out"), *options, deck]
-    began = time.time()
     try:
-        answer = subprocess.run(words, env={**os.environ, **ALONE}, timeout=limit, text=True, check=False,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=folder)
+        answer = subprocess.run(words, env={**os.environ, **ALONE}, text=True, check=False, stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, cwd=folder, timeout=20 * limit,
+                                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5)))
     except subprocess.TimeoutExpired:
-        verdict.seconds = time.time() - began
-        verdict.find("slow", f"more than {limit:.0f} s")
+        answer = None
+    if answer is None or answer.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+        verdict.seconds = limit
+        verdict.find("slow", f"more than {limit} s")
         return verdict
     if answer.returncode == 2:
         lines = [line for line in answer.stdout.splitlines() if "error" in line]

@@ -73,7 +73,8 @@ module step_node_fields
       !! patches keep the velocity and acceleration that the particles need
       logical :: lean = .false.
       type(packed_patch_t) :: seen(2)
-      integer :: layers = whole_tiles  !! Layers of cells of the tiles of other ranks that are needed
+      !> Layers of cells beside own tiles that are needed of the tiles of other ranks
+      integer :: layers = whole_tiles
       real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
