@@ -37,8 +37,8 @@ DECK = f"""
 @pytest.mark.parametrize("name, words", (
         ("plane", {"dimension": "plane_strain", "method": "ddmp", "deep": 1, "dx": 0.01, "across": 1, "middle": 0.5,
                    "spin": "0,-5,0"}),
-        pytest.param("space", {"dimension": "3d", "method": "ddmp", "deep": 0.4, "dx": 0.04, "across": 2, "middle": 0.21,
-                               "spin": "2,-5,3"}, marks=pytest.mark.tiers("long")),
+        pytest.param("space", {"dimension": "3d", "method": "ddmp", "deep": 0.4, "dx": 0.04, "across": 2,
+                               "middle": 0.21, "spin": "2,-5,3"}, marks=pytest.mark.tiers("long")),
         ("before", {"dimension": "plane_strain", "method": "mpm", "deep": 1, "dx": 0.02, "across": 1, "middle": 0.5,
                     "spin": "0,-5,0"})))
 def test_rigid_body_bits(options, sheet, name, words):

@@ -8,7 +8,9 @@ McKeown and A. Luton (1998), without a stated error or zero of time, so the time
 records against 18.9 and 16.7 us after the ignition in the runs, are not judged. Choice of the
 constants: products of the explosive and elastic modulus, yield and tensile strength of the alloy as in blastFoam;
 linear hardening between the two strengths, no dependence on the rate; water: Tait's equation with
-an exponent of 7, without tension. Nothing was fitted to these records.
+an exponent of 7, without tension. Nothing was fitted to these records. With 4 cells through the wall the run of 3.0 g
+now ends at 290 us with an error: a particle of the products gains more energy than the run has (R111). Its numbers are
+those of an earlier version.
 """
 import numpy as np
 

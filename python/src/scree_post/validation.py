@@ -218,23 +218,23 @@ def changed(family: Family, shot: Shot, settings: Mapping[str, str]) -> Shot:
 
 
 def compute(shots: Sequence[tuple[Family, Shot]], *, program: str | None, outdir: Path, jobs: int, threads: int,
-            cells: int | None = None) -> list[Result]:
-    """Run the shots on two grids each; `cells` replaces that of the families."""
+            cells: int | None = None) -> tuple[list[Result], list[ScreeError]]:
+    """Run the shots on two grids each; `cells` replaces that of the families. Also returns the errors of the runs that
+    failed, whose shots have no results."""
     found = find_program(program)
     grids = []
     for family, shot in shots:
         fine = cells or int(shot.inputs.get("cells", family.cells))
         grids += [(family, shot, fine), (family, shot, max(1, round(fine / family.coarser)))]
 
-    def one(task: tuple[Family, Shot, int]) -> tuple[Mapping[str, float], float]:
+    def one(task: tuple[Family, Shot, int]) -> tuple[Mapping[str, float], float] | ScreeError:
         family, shot, number = task
         try:
             run = scree.run(family.folder / "deck.nml", family.settings(shot.inputs, number), case=shot.name,
                             outdir=outdir / shot.name / f"cells_{number}", overwrite=True, progress=False,
                             program=found, threads=threads)
         except ScreeError as error:
-            raise type(error)(f"{shot.name} with cells = {number}: {error}", error.code, error.messages,
-                              error.folder) from error
+            return type(error)(f"{shot.name} with cells = {number}: {error}", error.code, error.messages, error.folder)
         return family.measure(run, shot.inputs), run.summary["processor_s"]
 
     runs = []
@@ -242,8 +242,11 @@ def compute(shots: Sequence[tuple[Family, Shot]], *, program: str | None, outdir
         for answer in pool.map(one, grids):
             runs.append(answer)
             bar.update()
-    results = []
-    for (family, shot), (values, seconds), (coarse, more) in zip(shots, runs[::2], runs[1::2]):
+    results, failed = [], [answer for answer in runs if isinstance(answer, ScreeError)]
+    for (family, shot), fine_run, coarse_run in zip(shots, runs[::2], runs[1::2]):
+        if isinstance(fine_run, ScreeError) or isinstance(coarse_run, ScreeError):
+            continue
+        (values, seconds), (coarse, more) = fine_run, coarse_run
         for name, (_, unit) in family.quantities.items():
             if name in values and (name in shot.measured or not shot.measured):
                 blocked = shot.note.partition("not comparable:")[2].strip()
@@ -251,7 +254,7 @@ def compute(shots: Sequence[tuple[Family, Shot]], *, program: str | None, outdir
                                       shot.measured.get(name, math.nan), shot.error.get(name), seconds + more,
                                       blocked))
                 seconds = more = 0.0
-    return results
+    return results, failed
 
 
 def shock_from_wall(run: Run) -> float:

@@ -126,9 +126,12 @@ def run(options: argparse.Namespace) -> int:
         shots = [(family, validation.changed(family, shot, dict(options.settings)))]
         print(f"{shot.what}, with " + ", ".join(f"{name} = {value}" for name, value in shots[0][1].inputs.items()))
     threads = threads_of_a_run()
-    results = validation.compute(shots, program=options.scree, outdir=options.outdir, threads=threads,
-                                 jobs=options.jobs or jobs_for(threads), cells=options.cells)
-    show(results, known)
-    if options.write is not None:
-        write(options.write, results, known)
+    results, failed = validation.compute(shots, program=options.scree, outdir=options.outdir, threads=threads,
+                                         jobs=options.jobs or jobs_for(threads), cells=options.cells)
+    if results:
+        show(results, known)
+        if options.write is not None:
+            write(options.write, results, known)
+    if failed:                                           # the rows of the other runs are kept
+        raise failed[0]
     return 0
