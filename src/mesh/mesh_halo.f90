@@ -14,7 +14,7 @@ module mesh_halo
    use mesh_node_boxes, only: node_boxes_t
    use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: clear_patch, ensure_patch, ensure_weights, extent_of
-   use mesh_tiles, only: neighbors, tiles_t
+   use mesh_tiles, only: neighbors, shift_to, tiles_t
    implicit none
    private
 
@@ -334,7 +334,7 @@ contains
                key = tiles%around(grid, self%tile(entry), place)
                if (key < 0) cycle
                if (tiles%owner(key) /= self%rank(group)) cycle
-               shift = [mod(place - 1, 3), mod((place - 1)/3, 3), (place - 1)/9] - 1
+               shift = shift_to(:, place)
                ! functions that reach beyond their cells need more; they have the whole tile
                if (grid%margin > 0) shift = 0
                self%reach(:, 1, entry) = self%reach(:, 1, entry) .or. shift <= 0

@@ -12,7 +12,7 @@ module mesh_packed_patch
    use mesh_node_boxes, only: node_boxes_t
    use mesh_packed_sums, only: add_box, add_plane
    use mesh_patch, only: clear_patch, extent_of
-   use mesh_tiles, only: neighbors, tiles_t
+   use mesh_tiles, only: neighbors, shift_to, tiles_t
    implicit none
    private
 
@@ -455,7 +455,7 @@ contains
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
          if (other == 0) cycle
-         shift = [mod(place - 1, 3), mod((place - 1)/3, 3), (place - 1)/9] - 1
+         shift = shift_to(:, place)
          apart = .false.
          do direction = 1, 3
             ! the box of the neighbour, and its intersection with this tile

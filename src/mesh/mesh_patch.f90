@@ -8,7 +8,7 @@
 module mesh_patch
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use mesh_tiles, only: neighbors, tiles_t
+   use mesh_tiles, only: neighbors, shift_to, tiles_t
    implicit none
    private
 
@@ -202,9 +202,7 @@ contains
       extent = extent_of(grid, tiles, tile)
       reach = extent_of(grid, tiles, other)
       margin = merge(grid%margin, 0, grid%active)
-      shift(1) = mod(place - 1, 3) - 1
-      shift(2) = mod((place - 1)/3, 3) - 1
-      shift(3) = (place - 1)/9 - 1
+      shift = shift_to(:, place)
       ! lower corner of the other tile, and the overlap of both, relative to this one
       origin = merge(extent, merge(-reach, 0, shift == -1), shift == 1)
       low = max(0, origin) - margin

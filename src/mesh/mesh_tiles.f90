@@ -14,6 +14,13 @@ module mesh_tiles
 
    integer, parameter, public :: neighbors = 27      !! Neighbours of a tile, itself included
    integer, parameter, public :: itself = 14         !! Index of the tile itself among neighbours
+   !> Tiles from a tile to each neighbour along the directions, x fastest
+   integer, parameter, public :: shift_to(3, neighbors) = reshape([ &
+      -1, -1, -1, 0, -1, -1, 1, -1, -1, -1, 0, -1, 0, 0, -1, 1, 0, -1, &
+      -1, 1, -1, 0, 1, -1, 1, 1, -1, -1, -1, 0, 0, -1, 0, 1, -1, 0, &
+      -1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 1, 0, 0, 1, 0, 1, 1, 0, &
+      -1, -1, 1, 0, -1, 1, 1, -1, 1, -1, 0, 1, 0, 0, 1, 1, 0, 1, &
+      -1, 1, 1, 0, 1, 1, 1, 1, 1], [3, neighbors])
 
    !> The tiles of one rank.
    type :: tiles_t
@@ -144,12 +151,11 @@ contains
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile                    !! Index of a tile
       integer, intent(in) :: place                   !! 1 to 27, x fastest
-      integer :: coordinate(3), shift(3)
+      integer :: coordinate(3)
 
       key = -1
-      shift = [mod(place - 1, 3), mod((place - 1)/3, 3), (place - 1)/9] - 1
-      if (any(shift /= 0 .and. .not. grid%active)) return
-      coordinate = self%coordinate(:, tile) + shift
+      if (any(shift_to(:, place) /= 0 .and. .not. grid%active)) return
+      coordinate = self%coordinate(:, tile) + shift_to(:, place)
       where (grid%periodic .and. grid%active) coordinate = modulo(coordinate, grid%tiles)
       if (any(coordinate < 0 .or. coordinate >= grid%tiles)) return
       key = hilbert_key(coordinate, grid%dimensions)

@@ -8,7 +8,7 @@ module step_dual_gradient
    use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, extent_of, &
       widen_box
-   use mesh_tiles, only: neighbors
+   use mesh_tiles, only: neighbors, shift_to
    use step_bounds, only: are_nodes_slow
    use step_method, only: method_t, stress_after
    use step_node_fields, only: dual_nodes_t, empty_mass, motion_nodes_t, nodes_t, stress_rows, &
@@ -212,7 +212,7 @@ contains
       integer, intent(in) :: tile
       integer, intent(in) :: less     !! How many of the layers that are known are not needed
       real(wp), intent(out) :: weight(0:)            !! (cell)
-      integer :: place, shift(3), extent(3), low(3), high(3), cell, layers
+      integer :: place, shift(3), extent(3), low(3), high(3), cell, layers, y, z
       logical :: near(0:size(weight) - 1)
 
       weight = nodes%dual%weight(:, tile)
@@ -224,12 +224,14 @@ contains
          associate (other => space%tiles%neighbor(place, tile))
             if (other == 0 .or. other > space%tiles%own) cycle
          end associate
-         shift = [mod(place - 1, 3), mod((place - 1)/3, 3), (place - 1)/9] - 1
-         low = merge(extent - layers, 0, shift > 0)
-         high = merge(layers - 1, extent - 1, shift < 0)
-         do cell = 0, size(weight) - 1
-            near(cell) = near(cell) .or. (all(space%grid%cell_position(:, cell) >= low) .and. &
-               all(space%grid%cell_position(:, cell) <= high))
+         shift = shift_to(:, place)
+         low = merge(max(extent - layers, 0), 0, shift > 0)
+         high = merge(min(layers, extent), extent, shift < 0) - 1
+         do z = low(3), high(3)
+            do y = low(2), high(2)
+               cell = space%grid%width(1)*(y + space%grid%width(2)*z)
+               near(cell + low(1):cell + high(1)) = .true.
+            end do
          end do
       end do
       where (.not. near) weight = 0.0_wp
