@@ -8,7 +8,7 @@ module scene_particles
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use material_flaws, only: flaw_blocks_t
-   use material_kinds, only: is_gas
+   use material_kinds, only: is_gas, is_loose
    use material_stages, only: effect_count, effect_names
    use material_state, only: has_energy
    use material_type, only: material_t
@@ -110,6 +110,7 @@ contains
          simulation%fields(1)%last_store = size(simulation%stores)
       end if
       simulation%scheme%carries_energy = .false.
+      simulation%scheme%loose = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             traits = traits_t(body=several)
@@ -131,6 +132,8 @@ contains
             if (slots > 0) allocate (store%origin%marks(0, mark_columns*slots))
             simulation%scheme%carries_energy = simulation%scheme%carries_energy .or. &
                allocated(store%state%energy)
+            simulation%scheme%loose = simulation%scheme%loose .or. &
+               is_loose(simulation%materials(index))
          end associate
       end do
       simulation%scheme%works = simulation%scheme%carries_energy .or. &

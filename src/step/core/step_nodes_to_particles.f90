@@ -9,12 +9,14 @@ module step_nodes_to_particles
    use particle_store, only: store_t
    use step_body_force, only: record_loads
    use step_contact, only: add_contact_heat
-   use step_dissipation, only: measures_damping, record_damping
+   use step_dissipation, only: measures_damping, measures_update, record_damping, &
+      record_unresolved
    use step_grid_volumes, only: correct_volumes
    use step_method, only: method_t
    use step_move_nodes, only: restore_velocities
+   use step_node_fields, only: motion_nodes_t
    use step_node_view, only: gather_parts_t, set_view, view_t
-   use step_particles_to_nodes, only: locate_particles
+   use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_remove_particles, only: judge_particles
    use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
    use step_strain_particles, only: add_gradient, affine_from_strain, find_gradient, &
@@ -265,6 +267,9 @@ contains
             call record_damping(scratch%ledger, store, tile, shape%vector, &
                method%transfer%flip_fraction())
          end if
+         if (scheme%loose .and. measures_update(method, allocated(store%state%energy))) &
+            call record_gain(space, method, field%nodes%motion, scratch, store, tile, &
+            simulation%clock%kick)
          if (.not. method%transfer%affine() .or. affine_from_strain(scheme, index)) return
          call find_slopes(space%grid, scheme%method, shape, view%velocity_new, view%gradient, &
             scratch%deformation%gradient)
@@ -273,6 +278,33 @@ contains
          call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
       end associate
    end subroutine move_particles
+
+   !> Record the work of the stress on the gain of the nodes that the particles of a tile do not get.
+   !! Equation (L.13) of doc/theory/ledger.md.
+   subroutine record_gain(space, method, motion, scratch, store, tile, dt)
+      type(space_t), intent(in) :: space
+      type(method_t), intent(in) :: method
+      type(motion_nodes_t), intent(in) :: motion
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
+      real(wp) :: gain(space%grid%dimensions + 1, space%grid%tile_nodes)
+      integer :: axis(space%grid%dimensions), low, high, slot, node, last
+
+      last = space%grid%dimensions + 1
+      axis = pack([1, 2, 3], space%grid%active)
+      slot = motion%slot(tile)
+      call nodes_seen(space%grid, motion, tile, low, high)
+      gain = 0.0_wp
+      do node = low, high
+         gain(:last - 1, node) = dt*motion%acceleration(axis, node, slot)
+         gain(last, node) = sum(gain(:last - 1, node)*(motion%strain(axis, node, slot) &
+            - motion%velocity(axis, node, slot)))
+      end do
+      call method%basis%gather_values(space%grid, scratch%shape, gain, scratch%shape%values)
+      call record_unresolved(scratch%ledger, store, tile, last - 1, scratch%shape%values)
+   end subroutine record_gain
 
    !> Positions on the mesh of a cell that deforms.
    subroutine carry_particles(space, method, scratch, store, tile, view, dt)

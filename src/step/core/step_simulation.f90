@@ -179,6 +179,7 @@ module step_simulation
       logical :: erosion = .false.                   !! Are failed particles removed?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       logical :: works = .false.                     !! Is work of stress or loads computed?
+      logical :: loose = .false.                     !! Is some material loose grains?
    contains
       procedure :: gradients => scheme_gradients     !! Number of velocity gradients of a step
       procedure :: weighs => scheme_weighs           !! Are cells weighted by their particles?

@@ -1,17 +1,18 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Records the kinetic energy that artificial viscosity, plastic flow and the PIC fraction dissipate
-!! in a step.
+!> Records the kinetic energy that artificial viscosity, plastic flow, the PIC fraction and the
+!! strain dissipate in a step.
 module step_dissipation
    use base_kinds, only: wp
    use material_state, only: deformation_t, material_state_t
    use material_type, only: material_t
    use particle_store, only: store_t
    use step_ledger, only: damped, dissipated, ledger_t, plastic, viscous
-   use step_method, only: method_t
+   use step_method, only: method_t, stress_after
    implicit none
    private
 
-   public :: record_damped, record_damping, record_losses, measures_damping
+   public :: record_damped, record_damping, record_losses, record_unresolved, measures_damping, &
+      measures_update
 
 contains
 
@@ -76,7 +77,45 @@ contains
       call record_damped(ledger, sum(taken))
    end subroutine record_damping
 
-   !> Record the energy removed by the PIC fraction.
+   !> Can the energy that the strain dissipates be measured? It is recorded in scenes with loose
+   !! grains, whose default update is chosen for this damping. Elsewhere it is an error of the
+   !! energy.
+   pure logical function measures_update(method, carries) result(measurable)
+      type(method_t), intent(in) :: method           !! Method with its transfer
+      logical, intent(in) :: carries                 !! Is there an internal energy?
+
+      measurable = .not. carries .and. method%stress == stress_after .and. method%leapfrog &
+         .and. method%transfer%flip_fraction() > 0.0_wp
+      ! particles with a whole linear velocity field resolve more than their gain
+      if (method%transfer%affine()) measurable = measurable .and. method%transfer%turning()
+   end function measures_update
+
+   !> Record the work of the stress on the gain of the nodes that the particles of a tile do not get:
+   !! the variance of the gain over the nodes around each particle. Equation (L.13) of
+   !! doc/theory/ledger.md.
+   subroutine record_unresolved(ledger, store, tile, axes, gain)
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
+      integer, intent(in) :: axes                    !! Active directions
+      !> (particle of the tile, axes + 1) Gain of the particle [m/s]; mean product of the gain of
+      !! its nodes and that in their strain [m2/s2]
+      real(wp), contiguous, intent(in) :: gain(:, :)
+      real(wp) :: lost, part
+      integer :: p, k
+
+      lost = 0.0_wp
+      do p = 1, store%count(tile)
+         part = gain(p, axes + 1)
+         do k = 1, axes
+            part = part - gain(p, k)**2
+         end do
+         lost = lost + store%state%mass(store%first(tile) + p - 1)*part
+      end do
+      call record_damped(ledger, lost)
+   end subroutine record_unresolved
+
+   !> Record energy of motion that nodes or particles do not resolve.
    subroutine record_damped(ledger, energy)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       real(wp), intent(in) :: energy                 !! [J]

@@ -76,7 +76,8 @@ module step_ledger
    integer, parameter, public :: removed_particles = removed_angular + 3
    !> Mass of those that had left their bounds.
    integer, parameter, public :: retired_mass = removed_particles + 1
-   !> Kinetic energy removed by the PIC fraction that no internal energy gains.
+   !> Energy removed by the PIC fraction, and by the strain of `usl` in scenes with loose grains,
+   !! that no internal energy gains.
    integer, parameter, public :: damped = retired_mass + 1
    !> First of three components of the momentum of rigid bodies.
    integer, parameter, public :: rigid_momentum = damped + 1
@@ -161,7 +162,7 @@ module step_ledger
       type(wall_sums_t) :: walls                     !! Action of each wall, if an output shows it
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
-      real(wp) :: turn_scale = 0.0_wp    !! Greatest turning motion [kg m2/s], equation (L.13)
+      real(wp) :: turn_scale = 0.0_wp    !! Greatest turning motion [kg m2/s], equation (L.14)
       logical :: has_bodies = .false.                !! Are there rigid bodies with a mass?
       real(wp) :: bodies(7) = 0.0_wp !! Their momentum, angular momentum and kinetic energy
       real(wp) :: body_scales(2) = 0.0_wp            !! Their parts of the scales
@@ -334,7 +335,7 @@ contains
    end subroutine ledger_balance
 
    !> Turning motion about the centre of mass [kg m2/s]: the angular momentum, or a tenth of its
-   !! upper bound, which a body that turns in a plane attains. Equation (L.13).
+   !! upper bound, which a body that turns in a plane attains. Equation (L.14).
    real(wp) function turning_motion(scales, entry) result(motion)
       type(exact_sum_t), intent(in) :: scales(scale_count) !! As `sum_tile` adds them
       real(wp), intent(in) :: entry(:)               !! Entries at this time

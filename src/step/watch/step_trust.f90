@@ -182,7 +182,7 @@ contains
 
    !> Error of the balance of angular momentum. Where walls, rigid regions or loads exert torques
    !! that cancel, as under a footing, a small part of them exceeds the slow motion: not measured.
-   !! Gravity alone exerts none about the centre of mass. Equation (L.13).
+   !! Gravity alone exerts none about the centre of mass. Equation (L.14).
    pure subroutine rate_turning(space, effects, now, trust)
       type(space_t), intent(in) :: space
       type(simulation_effects_t), intent(in) :: effects

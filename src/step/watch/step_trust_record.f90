@@ -19,7 +19,7 @@ module step_trust_record
    integer, parameter, public :: trust_speed = 5     !! Energy of particles that are too fast
    integer, parameter, public :: trust_heat = 6      !! Energy of particles that are too hot or cold
    integer, parameter, public :: trust_retired = 7   !! Mass of particles removed out of bounds
-   integer, parameter, public :: trust_damped = 8 !! Kinetic energy dissipated by the PIC fraction
+   integer, parameter, public :: trust_damped = 8 !! Energy dissipated by transfers and strain
    integer, parameter, public :: trust_momentum = 9  !! Error of the momentum balance at the end
    integer, parameter, public :: trust_angular = 10  !! Error of the balance of angular momentum
    integer, parameter, public :: trust_entries = 10  !! Number of these
