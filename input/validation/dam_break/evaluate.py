@@ -18,7 +18,7 @@ speed of sound change the front by at most 4 %.
 """
 import numpy as np
 
-SUBJECT = "fluids"
+SUBJECT = "water"
 QUANTITIES = {"front": ("front in widths of the column", "1")}
 CELLS = 32                             # across the column
 COARSER = 1.5
