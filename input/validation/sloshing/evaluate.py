@@ -7,9 +7,9 @@ pysph/examples/st_exp_data.py of github.com/pypr/pysph, without a stated error; 
 run is in the frame of the tank, with the acceleration of the frame as a gravity that depends on time. Choice of the
 constants: density and viscosity of water; a sound speed of ten times the speed of free fall. Crests after the first
 come in time, but the first two are 28 to 30 % too high. With this motion the linear theory of waves in a tank gives
-the first, still nearly linear crest 7 % higher than measured and 0.09 s earlier, and the first trough at -36 mm
-instead of -31 mm, as the run does; steep waves rise above the linear theory. So the motion of the experiment, in
-particular its start, differs from the stated one.
+the first, still nearly linear crest 8 % higher than measured and 0.09 s earlier, and the first trough at -41 mm (run:
+-38 mm) instead of -31 mm; steep waves rise above the linear theory. So the motion of the experiment, in particular its
+start, differs from the stated one.
 """
 import numpy as np
 
