@@ -7,13 +7,13 @@ TMD-all of github.com/gagankaushikmanyam/mechanics-sand-model. The sample of the
 whose lateral stresses are held. Choice of the constants: those of the surface of Mohr and Coulomb are taken from one
 test of each density, at 100 kPa (TMD2, TMD7, TMD17, which are no rows): friction angle from the greatest deviator,
 dilation angle from the volume over 4 % of strain around it, Young's modulus from half of the greatest deviator;
-Poisson's ratio 0.25 is a choice. So the rows test how
-these constants carry over to other pressures. The strength does, within 10 %, and mostly within 5 %: the measured
-friction angle of dense sand falls from 41 to 39 degrees from 50 to 400 kPa, which a surface with straight sides has
-not. The stiffness does not: that of sand grows with the pressure, while the modulus of the law is constant. So the law
-is too soft at high pressure, and compacts too much there before it yields. Its dilation has no critical state. Volume
-strains below 1 % are not compared. The error of the tests is not stated; a second series of dense sand (TMD21 to
-TMD25) has greatest deviators that are 4 to 17 % larger at densities that are 0.6 to 2.5 % larger.
+Poisson's ratio 0.25 is a choice. So the rows test how these constants carry over to other pressures. The strength
+does, within 10 %, and mostly within 5 %: the measured friction angle of dense sand falls from 41 to 39 degrees from
+50 to 400 kPa, which a surface with straight sides has not. The stiffness does not: that of sand grows with the
+pressure, while the modulus of the law is constant. So the law is too soft at high pressure, and compacts too much
+there before it yields. Its dilation has no critical state. Volume strains below 1 % are not compared. The error of
+the tests is not stated; a second series of dense sand (TMD21 to TMD25) has greatest deviators that are 4 to 17 %
+larger at densities that are 0.6 to 2.5 % larger.
 """
 import numpy as np
 
