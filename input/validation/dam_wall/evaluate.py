@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Water that strikes a wall.
 
-A column of water, 300 mm high and 600 mm wide, is released by a gate, runs 1.01 m along the floor and strikes the wall
-at the end of the tank: L. Lobovsky and others, J. Fluids Struct. 48 (2014) 407, with the pressures at three sensors
-over the height of the column, 3, 30 and 80 mm above the floor, as digitised in pysph/examples/db_exp_data.py of
-github.com/pypr/pysph, without a stated error. Their time is T = t (g/height)^0.5 after the first motion of the gate,
-whose speed is that of the [higher column](#water-behind-a-gate). Pressures are means over a time, divided by density, g
-and height; those of the run follow from the forces on strips of the wall around the sensors. Choice of the constants:
-density and viscosity of water; a sound speed of ten times the speed of free fall. The water arrives in time, without
-the gate 0.08 earlier. Later the measured pressures are nearly equal at the three sensors, while that of the run falls
-with the height: the sheet that arrives is 50 mm deep with 2.0 m/s. A steady sheet of this depth and speed, without
-gravity, gives 0.95 to 1.0 of its stagnation pressure in the corner and a force of 1.02 times its momentum (cells of 5
-mm), so the pressures of a given sheet are right. With 30 cells the pressures from T = 3.5 are 1.05, 0.94 and 0.27;
-`bbar`, `usl`, `mpm` with `gimp`, twice the sound speed and a wall from which water can separate change the first by
-at most 3 %. On a floor that sticks, with a boundary layer of a cell, the water arrives at 2.73, and they are 0.25, 0.56
-and 0.40: friction of the floor, which the run has not, moves the pressure upwards, but this does not explain all.
+A column of water, 300 mm high and 600 mm wide, is released by a gate, runs 1.01 m along the floor and strikes the
+wall at the end of the tank: L. Lobovsky and others, J. Fluids Struct. 48 (2014) 407, with the pressures at three
+sensors over the height of the column, 3, 30 and 80 mm above the floor, as digitised in pysph/examples/db_exp_data.py
+of github.com/pypr/pysph, without a stated error. Their time is T = t (g/height)^0.5 after the first motion of the
+gate, whose speed is that of the [higher column](#water-behind-a-gate). Pressures are means over a time, divided by
+density, g and height; those of the run follow from the forces on strips of the wall around the sensors. Choice of the
+constants: density and viscosity of water; a sound speed of ten times the speed of free fall. The water arrives in
+time, without the gate 0.08 earlier. Later the measured pressures are nearly equal at the three sensors, while that of
+the run falls with the height: the sheet that arrives is 50 mm deep with 2.0 m/s. A steady sheet of this depth and
+speed, without gravity, gives 0.95 to 1.0 of its stagnation pressure in the corner and a force of 1.02 times its
+momentum (cells of 5 mm), so the pressures of a given sheet are right. With 30 cells the pressures from T = 3.5 are
+1.05, 0.94 and 0.27; `bbar`, `usl`, `mpm` with `gimp`, twice the sound speed and a wall from which water can separate
+change the first by at most 3 %. On a floor that sticks, with a boundary layer of a cell, the water arrives at 2.73,
+and they are 0.25, 0.56 and 0.40: friction, which the run has not, moves the pressure upwards, but finer cells make
+this effect smaller, so that the reason is not known.
 """
 import numpy as np
 
