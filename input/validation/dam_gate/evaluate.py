@@ -13,7 +13,7 @@ measured tip is farther: a sheet thinner than a cell leaves under the rising gat
 """
 import numpy as np
 
-SUBJECT = "fluids"
+SUBJECT = "water"
 QUANTITIES = {f"front_{round(10 * time)}": (f"front in heights at T = {time}", "1")
               for time in (0.4, 0.7, 1.0, 1.3, 1.5)}
 CELLS = 60                             # in the height of the column

@@ -40,7 +40,7 @@ ERROR = "error"                                          # column: error of all 
 MARKS = ("<!-- rows -->", "<!-- end of rows -->")
 SUBJECTS = {"metals": "metals", "strength": "strength of metals", "impacts": "impacts and explosives",
             "grains": "grains", "brittle": "rock, concrete and glass", "fluids": "fluids and gas",
-            "others": "other experiments"}
+            "water": "water with a free surface", "others": "other experiments"}
 COLUMNS = ("family", "name", "quantity", "unit", "prediction", "cells_error", "measured", "error", "deviation",
            "verdict", "seconds")
 
