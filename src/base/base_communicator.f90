@@ -477,7 +477,7 @@ contains
       self%traffic%words = self%traffic%words + first - 1
    end subroutine communicator_post
 
-   !> Receive the messages to this rank, whoever sends them. With `values` the end of the exchange
+   !> Receive the messages to this rank from any sender. With `values` the end of the exchange
    !! is a reduction of these numbers, at no further cost. Collective.
    !!
    !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
@@ -498,7 +498,7 @@ contains
 
       call system_clock(begin)
       if (.not. allocated(incoming)) allocate (incoming(0))
-      posted%source = [integer ::]
+      posted%source = [integer :: ]
       words = 0
       agreeing = .false.
       do
@@ -542,7 +542,7 @@ contains
 
       call system_clock(begin)
       if (.not. allocated(incoming)) allocate (incoming(0))
-      posted%source = [integer ::]
+      posted%source = [integer :: ]
       words = 0
       do while (size(posted%source) < senders)
          call mpi_probe(mpi_any_source, posted%tag, self%handle, status)

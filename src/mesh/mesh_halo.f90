@@ -4,8 +4,8 @@
 !! A rank that has the patches of all tiles around its own can compute all nodes that its particles
 !! need, so one exchange per transfer is enough, and partial sums are never sent. The lists of
 !! messages are computed once for as long as tiles and cuts stay as they are; each neighbouring rank
-!! receives one message per exchange, which it expects if `mesh_links` says so. Tiles that no other rank uses are computed during the
-!! exchange.
+!! receives one message per exchange, which it expects if `mesh_links` says so. Tiles that no other
+!! rank uses are computed during the exchange.
 module mesh_halo
    use, intrinsic :: iso_fortran_env, only: error_unit
    use base_communicator, only: communicator_t, posted_t

@@ -74,8 +74,8 @@ def test_neighbours(options, sheet):
     words = sum(number * words_of("ddmp", 0, columns, nodes, TILE_CELLS ** 3)
                 for number, nodes in zip((6, 12, 8), boxes_of(layers)))
     for name, expected in (("messages", STEPS * NEIGHBOURS), ("bytes", STEPS * WORD * words),
-                           ("collective_calls", STEPS * CALLS + 1), ("tiles", STEPS), ("ghost_tiles", STEPS * NEIGHBOURS),
-                           ("memory_by_ranks_bytes", WORD * 37)):
+                           ("collective_calls", STEPS * CALLS + 1), ("tiles", STEPS),
+                           ("ghost_tiles", STEPS * NEIGHBOURS), ("memory_by_ranks_bytes", WORD * 37)):
         found = counts[name]
         sheet.require(found["min"] == found["max"] == expected,
                       f"{name} of a rank: {found['min']} to {found['max']}, not {expected}")
