@@ -39,7 +39,6 @@ module particle_leavers
       !! all ranks after `receive`
       logical :: renew = .true.
       type(posted_t), private :: posted               !! Messages in transit
-      integer(int64), allocatable, private :: incoming(:) !! Rows that have arrived
    contains
       procedure :: send => leavers_send               !! Pack and send
       procedure :: send_none => leavers_send_none     !! Take part in the exchange only
@@ -113,18 +112,21 @@ contains
       type(communicator_t), intent(inout) :: communicator
       type(store_t), intent(in) :: stores(:)
       real(wp), contiguous, intent(inout), optional :: values(:) !! Of this rank in, maxima out
+      integer(int64), allocatable :: incoming(:)
       real(wp) :: renew(1)
       integer :: words
 
       if (communicator%size == 1) return
       if (present(values)) then
-         call communicator%complete(self%posted, self%incoming, words, values)
+         call communicator%complete(self%posted, incoming, words, values)
       else
          renew = merge(1.0_wp, 0.0_wp, self%renew)
-         call communicator%complete(self%posted, self%incoming, words, renew)
+         call communicator%complete(self%posted, incoming, words, renew)
          self%renew = renew(1) > 0.0_wp
       end if
-      call take_rows(stores, self%incoming(:words), self%newcomers)
+      ! after a start or new cuts these are most particles of the rank
+      deallocate (self%posted%outgoing)
+      call take_rows(stores, incoming(:words), self%newcomers)
    end subroutine leavers_receive
 
    !> Tiles, cells and fields of the particles that left their tiles of a store.
