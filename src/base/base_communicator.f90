@@ -460,8 +460,8 @@ contains
       if (present(known)) expected = known
       self%called(3) = self%called(3) + 1
       posted%tag = first_tag + int(mod(self%called(3), int(tags, int64)))
-      if (allocated(posted%sent)) deallocate (posted%sent)
-      allocate (posted%sent(size(destination)))
+      if (allocated(posted%sent)) deallocate (posted%sent, posted%source)
+      allocate (posted%sent(size(destination)), posted%source(0))
       first = 1
       do message = 1, size(destination)
          if (expected) then
@@ -498,7 +498,6 @@ contains
 
       call system_clock(begin)
       if (.not. allocated(incoming)) allocate (incoming(0))
-      posted%source = [integer :: ]
       words = 0
       agreeing = .false.
       do
@@ -542,7 +541,6 @@ contains
 
       call system_clock(begin)
       if (.not. allocated(incoming)) allocate (incoming(0))
-      posted%source = [integer :: ]
       words = 0
       do while (size(posted%source) < senders)
          call mpi_probe(mpi_any_source, posted%tag, self%handle, status)
