@@ -8,10 +8,11 @@ module base_communicator
       mpi_barrier, mpi_bcast, mpi_character, mpi_comm, mpi_comm_dup, mpi_comm_free, mpi_comm_rank, &
       mpi_comm_set_errhandler, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
       mpi_errors_are_fatal, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
-      mpi_get_library_version, mpi_ibarrier, mpi_info_null, mpi_init_thread, mpi_initialized, &
-      mpi_integer8, mpi_iprobe, mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, &
-      mpi_recv, mpi_request, mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, &
-      mpi_test, mpi_testall, mpi_thread_funneled, mpi_wait
+      mpi_get_library_version, mpi_iallreduce, mpi_ibarrier, mpi_info_null, mpi_init_thread, &
+      mpi_initialized, mpi_integer8, mpi_iprobe, mpi_isend, mpi_issend, mpi_max, &
+      mpi_max_library_version_string, mpi_min, mpi_probe, mpi_recv, mpi_request, mpi_status, &
+      mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, mpi_testall, &
+      mpi_thread_funneled, mpi_wait, mpi_waitall
    implicit none
    private
 
@@ -25,9 +26,13 @@ module base_communicator
       real(wp) :: waiting = 0.0_wp                    !! Wall time in calls that wait [s]
    end type traffic_t
 
+   integer, parameter :: first_tag = 100              !! Tag of the first exchange
+   integer, parameter :: tags = 16384                 !! Exchanges after which tags repeat
+
    !> Messages in transit to a few ranks.
    type :: posted_t
-      integer(int64), allocatable :: outgoing(:)      !! Words to send; unchanged until `complete`
+      integer(int64), allocatable :: outgoing(:)      !! Words to send; unchanged until received
+      integer, allocatable :: source(:)               !! Sender of each message that has arrived
       type(mpi_request), allocatable, private :: sent(:) !! One request per message
       integer, private :: tag = 0                     !! Tag of the exchange
    end type posted_t
@@ -39,9 +44,9 @@ module base_communicator
       type(mpi_comm), private :: handle = mpi_comm_world !! Communicator of MPI
       type(traffic_t) :: traffic = traffic_t()        !! Counts of messages
       integer(int64) :: memory = 0 !! Private memory just after MPI was started [byte]
-      !> Numbers of collective calls and of the words of 8 bytes of their results; 0 or 1 in turn,
-      !! for the message tag of the next exchange. Copies of a communicator share these, so that
-      !! messages of an exchange on a copy are not taken for those of the next one on the original.
+      !> Numbers of collective calls and of the words of 8 bytes of their results; number of
+      !! exchanges, for the tags of their messages. Copies of a communicator share these, so that
+      !! messages of an exchange on a copy are not taken for those of another on the original.
       integer(int64), pointer, private :: called(:) => null()
    contains
       procedure :: start => communicator_start        !! Start MPI
@@ -66,7 +71,9 @@ module base_communicator
       procedure :: exchange => communicator_exchange  !! Sparse exchange of messages
       procedure :: send_rows => communicator_send_rows !! Send rows of words to their ranks
       procedure :: post => communicator_post          !! First half of an exchange: send
+      procedure :: post_rows => communicator_post_rows !! The same for rows of words
       procedure :: complete => communicator_complete  !! Second half: receive
+      procedure :: receive => communicator_receive    !! Second half if the senders are known
    end type communicator_t
 
 contains
@@ -384,26 +391,43 @@ contains
       integer, contiguous, intent(in) :: owner(:)              !! (row) Receiving rank
       integer(int64), contiguous, intent(in) :: rows(:, :)     !! (word, row)
       integer(int64), allocatable, intent(out) :: arrived(:)   !! Words of the rows for this rank
-      integer(int64), allocatable :: outgoing(:), incoming(:)
+      integer(int64), allocatable :: incoming(:)
+      type(posted_t) :: posted
+      integer :: words
+
+      call self%post_rows(owner, rows, posted, arrived)
+      if (self%size == 1) return
+      call self%complete(posted, incoming, words)
+      arrived = [arrived, incoming(:words)]
+   end subroutine communicator_send_rows
+
+   !> First half of `send_rows`.
+   subroutine communicator_post_rows(self, owner, rows, posted, kept)
+      class(communicator_t), intent(inout) :: self
+      integer, contiguous, intent(in) :: owner(:)              !! (row) Receiving rank
+      integer(int64), contiguous, intent(in) :: rows(:, :)     !! (word, row)
+      type(posted_t), intent(inout) :: posted         !! Gets the messages
+      integer(int64), allocatable, intent(out) :: kept(:)      !! Words of the rows of this rank
       integer, allocatable :: order(:), destination(:), length(:)
-      integer :: row, rank, words, kept, sent, messages
+      integer :: row, rank, words, filled, sent, messages
 
       words = size(rows, 1)
-      kept = count(owner == self%rank)
-      allocate (arrived(words*kept), outgoing(words*(size(owner) - kept)), &
-         destination(size(owner) - kept), length(size(owner) - kept))
+      filled = count(owner == self%rank)
+      allocate (kept(words*filled), destination(size(owner) - filled), length(size(owner) - filled))
+      if (allocated(posted%outgoing)) deallocate (posted%outgoing)
+      allocate (posted%outgoing(words*size(destination)))
       order = sort_order(int(owner, int64))
-      kept = 0
+      filled = 0
       sent = 0
       messages = 0
       do row = 1, size(owner)
          rank = owner(order(row))
          if (rank == self%rank) then
-            arrived(kept + 1:kept + words) = rows(:, order(row))
-            kept = kept + words
+            kept(filled + 1:filled + words) = rows(:, order(row))
+            filled = filled + words
             cycle
          end if
-         outgoing(sent + 1:sent + words) = rows(:, order(row))
+         posted%outgoing(sent + 1:sent + words) = rows(:, order(row))
          sent = sent + words
          if (messages > 0) then
             if (destination(messages) == rank) then
@@ -415,45 +439,60 @@ contains
          destination(messages) = rank
          length(messages) = words
       end do
-      if (self%size == 1) return
-      call self%exchange(destination(:messages), length(:messages), outgoing, incoming)
-      arrived = [arrived, incoming]
-   end subroutine communicator_send_rows
+      if (self%size > 1) call self%post(destination(:messages), length(:messages), posted)
+   end subroutine communicator_post_rows
 
-   !> Send messages. No other exchange may start before `complete`; other work may be done.
+   !> Send messages. No other exchange may start before `complete` or `receive`; other work may be
+   !! done.
    !!
-   !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
-   !! protocols for dynamic sparse data exchange", PPoPP 2010. A synchronous message is delivered
-   !! once it is received; a rank enters a non-blocking barrier when all its messages are delivered,
-   !! so the end of the barrier means that all messages of all ranks are delivered.
-   subroutine communicator_post(self, destination, length, posted)
+   !! Each exchange has its own tag. A rank that receives from known senders does not wait for the
+   !! others, so a sender may be some exchanges ahead of it.
+   subroutine communicator_post(self, destination, length, posted, known)
       class(communicator_t), intent(inout) :: self
       integer, contiguous, intent(in) :: destination(:)        !! Rank of each message
       integer, contiguous, intent(in) :: length(:)             !! Words of each message
       type(posted_t), intent(inout) :: posted         !! Words in, requests of the messages out
+      logical, intent(in), optional :: known !! Do the receivers expect the messages? Then `receive`
       integer :: message, first
+      logical :: expected
 
-      self%called(3) = 1 - self%called(3)
-      posted%tag = 100 + int(self%called(3))
-      if (allocated(posted%sent)) deallocate (posted%sent)
-      allocate (posted%sent(size(destination)))
+      expected = .false.
+      if (present(known)) expected = known
+      self%called(3) = self%called(3) + 1
+      posted%tag = first_tag + int(mod(self%called(3), int(tags, int64)))
+      if (allocated(posted%sent)) deallocate (posted%sent, posted%source)
+      allocate (posted%sent(size(destination)), posted%source(0))
       first = 1
       do message = 1, size(destination)
-         call mpi_issend(posted%outgoing(first:), length(message), mpi_integer8, &
-            destination(message), posted%tag, self%handle, posted%sent(message))
+         if (expected) then
+            call mpi_isend(posted%outgoing(first:), length(message), mpi_integer8, &
+               destination(message), posted%tag, self%handle, posted%sent(message))
+         else
+            call mpi_issend(posted%outgoing(first:), length(message), mpi_integer8, &
+               destination(message), posted%tag, self%handle, posted%sent(message))
+         end if
          first = first + length(message)
       end do
       self%traffic%messages = self%traffic%messages + size(destination)
       self%traffic%words = self%traffic%words + first - 1
    end subroutine communicator_post
 
-   !> Receive the messages to this rank.
-   subroutine communicator_complete(self, posted, incoming, words)
+   !> Receive the messages to this rank from any sender. With `values` the end of the exchange
+   !! is a reduction of these numbers, at no further cost. Collective.
+   !!
+   !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
+   !! protocols for dynamic sparse data exchange", PPoPP 2010. A synchronous message is delivered
+   !! once it is received; a rank enters a non-blocking barrier when all its messages are delivered,
+   !! so the end of the barrier means that all messages of all ranks are delivered. The maxima over
+   !! the ranks need the numbers of all of them, so they are known no earlier than that either.
+   subroutine communicator_complete(self, posted, incoming, words, values)
       class(communicator_t), intent(inout) :: self
-      type(posted_t), intent(inout) :: posted         !! From `post`
+      type(posted_t), intent(inout) :: posted         !! From `post`; gets the senders
       integer(int64), allocatable, intent(inout) :: incoming(:) !! Grows as needed
       integer, intent(out) :: words                   !! Number of received words
+      real(wp), contiguous, intent(inout), optional :: values(:) !! Of this rank in, maxima out
       type(mpi_request) :: consensus
+      real(wp), allocatable :: greatest(:)
       integer(int64) :: begin
       logical :: done, agreeing
 
@@ -462,45 +501,89 @@ contains
       words = 0
       agreeing = .false.
       do
-         call receive_one(self%handle, posted%tag, incoming, words)
+         call receive_one(self%handle, posted, incoming, words)
          if (agreeing) then
             call mpi_test(consensus, done, mpi_status_ignore)
             if (done) exit
          else
             call mpi_testall(size(posted%sent), posted%sent, done, mpi_statuses_ignore)
             if (done) then
-               call mpi_ibarrier(self%handle, consensus)
+               if (present(values)) then
+                  allocate (greatest, mold=values)
+                  call mpi_iallreduce(values, greatest, size(values), mpi_double_precision, &
+                     mpi_max, self%handle, consensus)
+               else
+                  call mpi_ibarrier(self%handle, consensus)
+               end if
                agreeing = .true.
             end if
          end if
       end do
-      call count_call(self, 0)
+      if (present(values)) then
+         call count_call(self, size(values))
+         values = greatest
+      else
+         call count_call(self, 0)
+      end if
       call add_wait(self%traffic, begin)
    end subroutine communicator_complete
 
+   !> Receive one message of each known sender. Not collective: no rank waits for others than its
+   !! senders.
+   subroutine communicator_receive(self, posted, senders, incoming, words)
+      class(communicator_t), intent(inout) :: self
+      type(posted_t), intent(inout) :: posted         !! From `post` with `known`; gets the senders
+      integer, intent(in) :: senders                  !! Ranks that send a message to this one
+      integer(int64), allocatable, intent(inout) :: incoming(:) !! Grows as needed
+      integer, intent(out) :: words                   !! Number of received words
+      integer(int64) :: begin
+      type(mpi_status) :: status
+
+      call system_clock(begin)
+      if (.not. allocated(incoming)) allocate (incoming(0))
+      words = 0
+      do while (size(posted%source) < senders)
+         call mpi_probe(mpi_any_source, posted%tag, self%handle, status)
+         call take_message(self%handle, status, posted, incoming, words)
+      end do
+      call mpi_waitall(size(posted%sent), posted%sent, mpi_statuses_ignore)
+      call add_wait(self%traffic, begin)
+   end subroutine communicator_receive
+
    !> Receive one message if one is waiting, and append it.
-   subroutine receive_one(handle, tag, buffer, filled)
+   subroutine receive_one(handle, posted, buffer, filled)
       type(mpi_comm), intent(in) :: handle
-      integer, intent(in) :: tag                      !! Tag of the exchange
+      type(posted_t), intent(inout) :: posted         !! The exchange, gets the sender
+      integer(int64), allocatable, intent(inout) :: buffer(:) !! Grows as needed
+      integer, intent(inout) :: filled                !! Words in use
+      type(mpi_status) :: status
+      logical :: waiting
+
+      call mpi_iprobe(mpi_any_source, posted%tag, handle, waiting, status)
+      if (waiting) call take_message(handle, status, posted, buffer, filled)
+   end subroutine receive_one
+
+   !> Receive a message that is waiting, and append it.
+   subroutine take_message(handle, status, posted, buffer, filled)
+      type(mpi_comm), intent(in) :: handle
+      type(mpi_status), intent(in) :: status          !! From a probe
+      type(posted_t), intent(inout) :: posted         !! The exchange, gets the sender
       integer(int64), allocatable, intent(inout) :: buffer(:) !! Grows as needed
       integer, intent(inout) :: filled                !! Words in use
       integer(int64), allocatable :: larger(:)
-      type(mpi_status) :: status
-      logical :: waiting
       integer :: words
 
-      call mpi_iprobe(mpi_any_source, tag, handle, waiting, status)
-      if (.not. waiting) return
       call mpi_get_count(status, mpi_integer8, words)
       if (filled + words > size(buffer)) then
          allocate (larger(2*(filled + words)))
          larger(:filled) = buffer(:filled)
          call move_alloc(larger, buffer)
       end if
-      call mpi_recv(buffer(filled + 1:), words, mpi_integer8, status%mpi_source, tag, handle, &
-         mpi_status_ignore)
+      call mpi_recv(buffer(filled + 1:), words, mpi_integer8, status%mpi_source, posted%tag, &
+         handle, mpi_status_ignore)
       filled = filled + words
-   end subroutine receive_one
+      posted%source = [posted%source, status%mpi_source]
+   end subroutine take_message
 
    !> Name and version of the message passing library. May be called before `start`.
    function message_passing_version() result(text)

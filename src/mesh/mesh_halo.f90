@@ -4,13 +4,16 @@
 !! A rank that has the patches of all tiles around its own can compute all nodes that its particles
 !! need, so one exchange per transfer is enough, and partial sums are never sent. The lists of
 !! messages are computed once for as long as tiles and cuts stay as they are; each neighbouring rank
-!! receives one message per exchange. Tiles that no other rank uses are computed during the
-!! exchange.
+!! receives one message per exchange, which it expects if `mesh_links` says so. Tiles that no other
+!! rank uses are computed during the exchange.
 module mesh_halo
+   use, intrinsic :: iso_fortran_env, only: error_unit
    use base_communicator, only: communicator_t, posted_t
+   use base_error, only: exit_internal
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
+   use mesh_links, only: links_t
    use mesh_node_boxes, only: node_boxes_t
    use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: clear_patch, ensure_patch, ensure_weights, extent_of
@@ -36,6 +39,7 @@ module mesh_halo
       logical, allocatable, private :: reach(:, :, :)
       integer(int64) :: messages = 0                 !! Messages sent so far
       integer(int64) :: words = 0                    !! Words of 8 bytes in the messages
+      type(links_t) :: links                         !! Ranks that expect messages of each other
       integer(int64), private :: version = -1        !! Version of the tiles in these lists
       type(posted_t), private :: posted              !! Messages in transit
       integer(int64), allocatable, private :: incoming(:) !! Received data
@@ -218,20 +222,46 @@ contains
       if (.not. allocated(self%posted%outgoing)) allocate (self%posted%outgoing(words))
    end subroutine ensure_outgoing
 
-   !> Send the words of all entries to their ranks.
+   !> Send the words of all entries to their ranks. Ranks that expect a message and need no tile
+   !! any more get an empty one.
    subroutine send_words(self, communicator, first)
       type(halo_t), intent(inout) :: self            !! The plan, with the words
       type(communicator_t), intent(inout) :: communicator
       integer, intent(in) :: first(:)                !! (entry + 1) Words before it
-      integer :: length(size(self%rank)), group
+      integer, allocatable :: to(:), length(:)
+      integer :: group, n
 
-      do group = 1, size(length)
-         length(group) = first(self%before(group + 1) + 1) - first(self%before(group) + 1)
+      if (self%links%in_use) then
+         to = self%links%to
+      else
+         to = self%rank
+      end if
+      allocate (length(size(to)), source=0)
+      group = 0
+      do n = 1, size(to)
+         if (group == size(self%rank)) exit
+         if (self%rank(group + 1) /= to(n)) cycle
+         group = group + 1
+         length(n) = first(self%before(group + 1) + 1) - first(self%before(group) + 1)
       end do
-      call communicator%post(self%rank, length, self%posted)
-      self%messages = self%messages + size(self%rank)
+      if (group < size(self%rank)) call refuse_receiver(communicator, self%rank(group + 1))
+      self%links%surplus = size(self%rank) < size(to)
+      call communicator%post(to, length, self%posted, self%links%in_use)
+      self%messages = self%messages + size(to)
       self%words = self%words + first(size(first))
    end subroutine send_words
+
+   !> End all ranks: a rank must send to one that does not expect it, which `cover` of the links
+   !! should have found. To go on would be a deadlock.
+   subroutine refuse_receiver(communicator, rank)
+      type(communicator_t), intent(in) :: communicator
+      integer, intent(in) :: rank                    !! Receiver
+
+      write (error_unit, "(a,i0,a,i0,a)") "internal error: rank ", communicator%rank, &
+         " has tiles for rank ", rank, ", which does not expect them"
+      flush (error_unit)
+      call communicator%abort(exit_internal)
+   end subroutine refuse_receiver
 
    !> Send packed patches and values of the cells of each border tile once to every rank that needs
    !! it. A rank needs the nodes of some layers of cells next to its own tiles. The boxes of these
@@ -446,7 +476,12 @@ contains
       integer, allocatable, intent(out) :: first(:)  !! Words before each entry
       integer :: at, pass, number, length, box(3, 2)
 
-      call communicator%complete(self%posted, self%incoming, length)
+      if (self%links%in_use) then
+         call communicator%receive(self%posted, size(self%links%from), self%incoming, length)
+      else
+         call communicator%complete(self%posted, self%incoming, length)
+         call self%links%record(self%rank, self%posted%source)
+      end if
       do pass = 1, 2
          at = 0
          number = 0

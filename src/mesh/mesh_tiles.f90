@@ -38,6 +38,7 @@ module mesh_tiles
       procedure :: cut => tiles_cut                  !! Divide the curve among the ranks
       procedure :: owner => tiles_owner              !! Rank that owns a key
       procedure :: around => tiles_around            !! Key of a neighbour
+      procedure, nopass :: beside => tiles_beside    !! Keys of the neighbours of any tile
    end type tiles_t
 
 contains
@@ -151,15 +152,37 @@ contains
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile                    !! Index of a tile
       integer, intent(in) :: place                   !! 1 to 27, x fastest
+
+      key = key_beside(grid, self%coordinate(:, tile), place)
+   end function tiles_around
+
+   !> Keys of the 27 neighbours of a tile that need not exist here; -1 outside of the domain.
+   pure function tiles_beside(grid, key) result(keys)
+      type(grid_t), intent(in) :: grid
+      integer(int64), intent(in) :: key              !! Position on the curve
+      integer(int64) :: keys(neighbors)
+      integer :: coordinate(3), place
+
+      coordinate = hilbert_coordinate(key, grid%dimensions)
+      do place = 1, neighbors
+         keys(place) = key_beside(grid, coordinate, place)
+      end do
+   end function tiles_beside
+
+   !> Key of the neighbour of a position in the grid of tiles; -1 outside of the domain.
+   pure integer(int64) function key_beside(grid, centre, place) result(key)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: centre(3)               !! Position, from 0
+      integer, intent(in) :: place                   !! 1 to 27, x fastest
       integer :: coordinate(3)
 
       key = -1
       if (any(shift_to(:, place) /= 0 .and. .not. grid%active)) return
-      coordinate = self%coordinate(:, tile) + shift_to(:, place)
+      coordinate = centre + shift_to(:, place)
       where (grid%periodic .and. grid%active) coordinate = modulo(coordinate, grid%tiles)
       if (any(coordinate < 0 .or. coordinate >= grid%tiles)) return
       key = hilbert_key(coordinate, grid%dimensions)
-   end function tiles_around
+   end function key_beside
 
    !> Rank that owns a key.
    pure integer function tiles_owner(self, key) result(rank)

@@ -25,7 +25,7 @@ import scaling
 from scaling_model import EXCHANGES, TILE_CELLS, WORD, boxes_of, words_of
 
 STEPS = 3
-CALLS = 4                               # ends of two exchanges, reductions of the time step and of node displacements
+CALLS = 2                               # reductions of the time step and of node displacements
 NEIGHBOURS = 26
 BAR = """
 &run  dimension='1d' /
@@ -69,12 +69,13 @@ def test_neighbours(options, sheet):
     many = scaling.run(small, deck, 36, 1, "block_36")
     sheet.require(many["digest"] == one["digest"], f"36 ranks: digest {many['digest']}, not {one['digest']}")
     counts = many["rank_counts"]
+    # one call more: the first exchange of patches finds the senders
     (columns, layers), = EXCHANGES["ddmp"]
     words = sum(number * words_of("ddmp", 0, columns, nodes, TILE_CELLS ** 3)
                 for number, nodes in zip((6, 12, 8), boxes_of(layers)))
     for name, expected in (("messages", STEPS * NEIGHBOURS), ("bytes", STEPS * WORD * words),
-                           ("collective_calls", STEPS * CALLS), ("tiles", STEPS), ("ghost_tiles", STEPS * NEIGHBOURS),
-                           ("memory_by_ranks_bytes", WORD * 37)):
+                           ("collective_calls", STEPS * CALLS + 1), ("tiles", STEPS),
+                           ("ghost_tiles", STEPS * NEIGHBOURS), ("memory_by_ranks_bytes", WORD * 37)):
         found = counts[name]
         sheet.require(found["min"] == found["max"] == expected,
                       f"{name} of a rank: {found['min']} to {found['max']}, not {expected}")
@@ -132,6 +133,8 @@ def test_hundreds(options, sheet):
     many = scaling.run(small, scaling.ball_deck(small, "ddmp"), 512, 1, "ball_512")
     sheet.require(many["digest"] == one["digest"], f"512 ranks: digest {many['digest']}, not {one['digest']}")
     counts = many["rank_counts"]
-    sheet.require(counts["collective_calls"]["max"] == 10 * CALLS, "collective calls do not grow with the ranks")
+    # tiles appear and vanish; at worst the senders of each step are new
+    sheet.require(10 * CALLS < counts["collective_calls"]["min"] == counts["collective_calls"]["max"]
+                  <= 10 * (CALLS + 1), "collective calls do not grow with the ranks")
     sheet.below("messages of the busiest rank in a step", counts["messages"]["max"] / 10, 2.0 * 2 * NEIGHBOURS)
     sheet.require(counts["memory_by_ranks_bytes"]["max"] == WORD * 513, "one array has an entry per rank")

@@ -4,11 +4,15 @@
 
 Would catch: patches sent twice, sent to ranks that do not need them, with nodes that these do not need, or with columns
 that were not requested; a second exchange in a step; empty messages; at the start and at a restart, a list of all tiles
-on some rank, and partitions of the curve that depend on how tiles are distributed.
+on some rank, and partitions of the curve that depend on how tiles are distributed. Also waits for all ranks in steps in
+which each rank knows from whom it receives, and messages to ranks that do not expect them.
 """
+# timeout: 300
 
 import re
 from types import SimpleNamespace
+
+import pytest
 
 import case
 import scaling
@@ -39,6 +43,63 @@ SPHERES = """
 &body  name='plate'  region='plate'  material='rubber'  ppc=1,1,1 /
 &output  name='h'  kind='history'  every=1000000 /
 """
+# Two balls meet over a periodic face: tiles appear and vanish. Gas is halved where it is stretched.
+FLIGHT = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=64,1,64  dx=1  block=4 /
+&boundary  face='all'  type='periodic' /
+&time  t_end=1.0e3  max_steps=120 /
+&material  name='rubber'  density=1000  young=1.0e6  poisson=0.3 /
+&region  name='one'  shape='sphere'  centre=50,0,50  radius=7 /
+&body  name='one'  region='one'  material='rubber'  ppc=2,1,2  velocity=40,0,30 /
+&region  name='two'  shape='sphere'  centre=20,0,24  radius=5 /
+&body  name='two'  region='two'  material='rubber'  ppc=2,1,2  velocity=-40,0,10 /
+&parallel  balance='never' /
+"""
+GAS = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=1.6,1,1.6  dx=0.04  block=4 /
+&boundary  face='all'  type='periodic' /
+&time  t_end=1  max_steps=100 /
+&effects  strength=.false. /
+&material  name='air'  density=1.2  eos_model='ideal_gas'  ig_gamma=1.4 /
+&region  name='air'  shape='sphere'  centre=0.7,0,0.5  radius=0.3 /
+&body  name='air'  region='air'  material='air'  ppc=2,1,2  velocity=200,0,100  specific_energy=2.0e5 /
+&parallel  balance='never' /
+"""
+INFLOW = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=64,1,64  dx=1  block=4 /
+&time  t_end=1.0e3  max_steps=120 /
+&material  name='rubber'  density=1000  young=1.0e6  poisson=0.3 /
+&region  name='jet'  shape='box'  lo=0,0,28  hi=8,1,36 /
+&body  name='jet'  region='jet'  material='rubber'  ppc=2,1,2 /
+&inflow  body='jet'  velocity=20,0,0 /
+&parallel  balance='never' /
+"""
+
+
+@pytest.mark.parametrize("name, calls", (("flight", 2), ("gas", 3), ("inflow", 2)))
+def test_collective_calls(options, sheet, name, calls):
+    """A step needs two reductions, with particles that are halved one more; further ones only where particles enter,
+    and where a rank gets new neighbours, which is rare. On five ranks the bits are those of one."""
+    deck = {"flight": FLIGHT, "gas": GAS, "inflow": INFLOW}[name]
+    one = case.Case(options, "one", deck).run("-q").summary
+    many = case.Case(options, "many", deck, ranks=5).run("-q").summary
+    sheet.require(many["digest"] == one["digest"], f"five ranks: digest {many['digest']}, not {one['digest']}")
+    counts, steps = many["rank_counts"], many["steps"]
+    found = counts["collective_calls"]
+    sheet.require(found["min"] == found["max"] > calls * steps, f"{name}: {found} collective calls in {steps} steps")
+    if name == "gas":
+        sheet.require(many["particles_halved"] > 0, "particles are halved")
+    entries = 0
+    if name == "inflow":
+        sheet.require(many["particles"] > 1.5 * 256, "the jet has grown")
+        # steps in which one of the two layers of particles in each cell enters
+        entries = 2 * 20 * many["time"] + 1
+    most = calls * steps + entries + steps / 4
+    sheet.require(found["max"] <= most, f"{name}: {found['max']} collective calls, not at most {most:.0f}")
+    sheet.require(counts["messages"]["max"] > steps, "there are neighbours")
 
 
 def test_bars(options, sheet):

@@ -2,8 +2,8 @@
 !> The part of MPI that Scree uses, for a single rank: what a build without MPI compiles in place of
 !! the library. Names and arguments are those of the standard (MPI: A Message-Passing Interface
 !! Standard, version 3.1), so that the modules which use MPI are the same in both builds, and a call
-!! that is missing here does not compile. A rank alone has no other rank to send to: `mpi_issend`
-!! and `mpi_recv` are never called.
+!! that is missing here does not compile. A rank alone has no other rank to send to: `mpi_isend`,
+!! `mpi_issend`, `mpi_probe` and `mpi_recv` are never called.
 module mpi_f08
    use, intrinsic :: iso_fortran_env, only: int64, real64
    implicit none
@@ -12,9 +12,9 @@ module mpi_f08
    public :: mpi_abort, mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_barrier, mpi_bcast, &
       mpi_comm_dup, mpi_comm_free, mpi_comm_rank, mpi_comm_set_errhandler, mpi_comm_size, &
       mpi_comm_split, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
-      mpi_get_library_version, mpi_ibarrier, &
-      mpi_init_thread, mpi_initialized, mpi_iprobe, mpi_issend, mpi_recv, mpi_test, mpi_testall, &
-      mpi_wait
+      mpi_get_library_version, mpi_iallreduce, mpi_ibarrier, mpi_init_thread, mpi_initialized, &
+      mpi_iprobe, mpi_isend, mpi_issend, mpi_probe, mpi_recv, mpi_test, mpi_testall, mpi_wait, &
+      mpi_waitall
 
    !> A group of ranks.
    type, public :: mpi_comm
@@ -186,6 +186,20 @@ contains
       request = mpi_request()
    end subroutine mpi_ibarrier
 
+   !> Begin a reduction: of one rank, a copy.
+   subroutine mpi_iallreduce(sendbuf, recvbuf, count, datatype, op, comm, request)
+      real(real64), intent(in) :: sendbuf(:)
+      real(real64), intent(inout) :: recvbuf(:)
+      integer, intent(in) :: count
+      type(mpi_datatype), intent(in) :: datatype
+      type(mpi_op), intent(in) :: op
+      type(mpi_comm), intent(in) :: comm
+      type(mpi_request), intent(out) :: request
+
+      recvbuf(:count) = sendbuf(:count)
+      request = mpi_request()
+   end subroutine mpi_iallreduce
+
    !> Is a request complete? Always.
    subroutine mpi_test(request, flag, status)
       type(mpi_request), intent(inout) :: request
@@ -205,6 +219,13 @@ contains
       flag = .true.
    end subroutine mpi_testall
 
+   !> Wait until all requests are complete: they are.
+   subroutine mpi_waitall(count, array_of_requests, array_of_statuses)
+      integer, intent(in) :: count
+      type(mpi_request), intent(inout) :: array_of_requests(count)
+      type(mpi_status), intent(in) :: array_of_statuses(:) !! mpi_statuses_ignore
+   end subroutine mpi_waitall
+
    !> Is a message waiting? Never.
    subroutine mpi_iprobe(source, tag, comm, flag, status)
       integer, intent(in) :: source
@@ -217,6 +238,16 @@ contains
       status = mpi_status()
    end subroutine mpi_iprobe
 
+   !> Wait for a message: never called.
+   subroutine mpi_probe(source, tag, comm, status)
+      integer, intent(in) :: source
+      integer, intent(in) :: tag
+      type(mpi_comm), intent(in) :: comm
+      type(mpi_status), intent(out) :: status
+
+      status = mpi_status()
+   end subroutine mpi_probe
+
    !> Words of a message: none was received.
    subroutine mpi_get_count(status, datatype, count)
       type(mpi_status), intent(in) :: status
@@ -227,6 +258,19 @@ contains
    end subroutine mpi_get_count
 
    !> Send to another rank: never called.
+   subroutine mpi_isend(buf, count, datatype, dest, tag, comm, request)
+      integer(int64), intent(in) :: buf(*)
+      integer, intent(in) :: count
+      type(mpi_datatype), intent(in) :: datatype
+      integer, intent(in) :: dest
+      integer, intent(in) :: tag
+      type(mpi_comm), intent(in) :: comm
+      type(mpi_request), intent(out) :: request
+
+      request = mpi_request()
+   end subroutine mpi_isend
+
+   !> Send to another rank, until it receives: never called.
    subroutine mpi_issend(buf, count, datatype, dest, tag, comm, request)
       integer(int64), intent(in) :: buf(*)
       integer, intent(in) :: count

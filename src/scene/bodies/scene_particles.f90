@@ -387,6 +387,7 @@ contains
       simulation%machine%load%listed = size(key, kind=int64)
       call partition_scattered_keys(simulation%machine%communicator, key, particles, border)
       call simulation%space%tiles%cut(border)
+      call simulation%space%halo%links%forget()
       do n = 1, size(simulation%stores)
          call simulation%stores(n)%mark_all_leaving(simulation%space%grid%tile_cells)
       end do

@@ -84,7 +84,7 @@ contains
          clock%dt = dt
          call update_gravity(effects, clock)
          if (allocated(space%cell)) call space%cell%complete(clock%time)
-         call finish_step(simulation, error)
+         call finish_step(simulation, began, error)
          if (allocated(error)) return
          if (allocated(method%splitting)) call split_particles(simulation)
          call sort_particles(simulation, began)

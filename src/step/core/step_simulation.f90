@@ -21,6 +21,7 @@ module step_simulation
    use mesh_surface_load, only: surface_load_t
    use mesh_tiles, only: tiles_t
    use particle_inflow, only: inflow_t
+   use particle_leavers, only: leavers_t
    use particle_store, only: store_t
    use step_bounds, only: guard_t
    use step_ledger, only: ledger_t
@@ -250,6 +251,7 @@ module step_simulation
       type(space_t) :: space
       type(material_t), allocatable :: materials(:)
       type(store_t), allocatable :: stores(:)        !! (material) Particles, with contact more
+      type(leavers_t) :: leavers                     !! Particles on the way to other tiles
       type(velocity_field_t), allocatable :: fields(:) !! One field without contact
       type(scheme_t) :: scheme
       type(simulation_effects_t) :: effects

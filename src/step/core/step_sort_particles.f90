@@ -61,7 +61,8 @@ contains
       end do
    end subroutine split_field
 
-   !> Record particles that left the domain, and sort the others into their tiles.
+   !> Record particles that left the domain, and sort the others into their tiles. Those that left
+   !! their tiles may be on the way already (`agree_with_ranks`). Collective.
    subroutine sort_particles(simulation, began)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in), optional :: began        !! Begin of the step, in which inflows feed [s]
@@ -77,7 +78,8 @@ contains
             call feed_particles(simulation%space%grid, simulation%materials, effects, &
             simulation%clock, simulation%balance%ledger, began, fed)
          call migrate(machine%communicator, simulation%space%grid, simulation%space%boundary, &
-            simulation%space%tiles, simulation%stores, fed)
+            simulation%space%tiles, simulation%stores, simulation%space%halo%links, &
+            simulation%leavers, fed)
          call machine%timer%stop(machine%phase%sort)
          if (machine%communicator%size > 1) call machine%timer%move(machine%phase%sort, &
             machine%phase%wait, machine%communicator%traffic%waiting - waited)

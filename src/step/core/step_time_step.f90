@@ -5,12 +5,13 @@ module step_time_step
    use base_kinds, only: int64, wp
    use particle_store, only: store_t
    use material_type, only: material_t
+   use step_agreement, only: agree_with_ranks, extremes_t
    use step_bounds, only: guard_t, rule_conduction, rule_growth, rule_signal, rule_strain
    use step_conduction, only: bulk_volume, conducts_heat
    use step_method, only: method_t
    use step_offending_particle, only: name_offending_particle
    use step_remove_particles, only: check_retired
-   use step_simulation, only: clock_t, machine_t, scratch_t, simulation_t, space_t
+   use step_simulation, only: clock_t, scratch_t, simulation_t, space_t
    implicit none
    private
 
@@ -19,26 +20,24 @@ module step_time_step
 contains
 
    !> Collect the results of the threads: the ledger, the next time step, NaN.
-   subroutine finish_step(simulation, error)
+   subroutine finish_step(simulation, began, error)
       type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(in) :: began                  !! Begin of the step [s]
       type(error_t), allocatable, intent(out) :: error !! If a value is NaN
-      real(wp) :: fastest, diffusivity, rate, load_work
+      type(extremes_t) :: extremes
       character(len=:), allocatable :: text
-      logical :: sound, retired
+      logical :: sound
       integer :: thread
 
       associate (balance => simulation%balance)
-         fastest = 0.0_wp
-         load_work = 0.0_wp
          sound = .true.
-         retired = .false.
-         call find_rate(simulation%clock%guard, simulation%scratch, rate)
+         call find_rate(simulation%clock%guard, simulation%scratch, extremes%rate)
          do thread = 0, ubound(simulation%scratch, 1)
             associate (scratch => simulation%scratch(thread))
-               fastest = max(fastest, scratch%fastest)
-               load_work = max(load_work, scratch%load_work)
+               extremes%fastest = max(extremes%fastest, scratch%fastest)
+               extremes%load_work = max(extremes%load_work, scratch%load_work)
                sound = sound .and. scratch%sound
-               retired = retired .or. scratch%retired
+               extremes%retired = extremes%retired .or. scratch%retired
                call balance%ledger%merge(scratch%ledger)
                call scratch%ledger%clear()
                scratch%fastest = 0.0_wp
@@ -48,24 +47,23 @@ contains
             end associate
          end do
          ! a NaN on one rank must stop all: it travels as an infinite speed
-         if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
-         diffusivity = 0.0_wp
-         if (allocated(simulation%effects%conduction)) diffusivity = &
+         if (.not. sound .or. .not. extremes%fastest <= huge(1.0_wp)) &
+            extremes%fastest = huge(1.0_wp)
+         if (allocated(simulation%effects%conduction)) extremes%diffusivity = &
             greatest_diffusivity(simulation%materials, simulation%stores)
-         call agree_with_ranks(simulation%clock%guard, simulation%machine, fastest, diffusivity, &
-            rate, load_work, retired)
+         call agree_with_ranks(simulation, began, extremes)
          ! a bound on the work that any particle has received: (L.10) of doc/theory/ledger.md
-         balance%trust%load_work = balance%trust%load_work + load_work
-         if (fastest >= huge(fastest)) then
+         balance%trust%load_work = balance%trust%load_work + extremes%load_work
+         if (.not. extremes%sound()) then
             call name_offending_particle(simulation, text)
             call fail(error, exit_physics, text)
             return
          end if
-         if (retired) call check_retired(simulation%clock, balance%ledger, &
+         if (extremes%retired) call check_retired(simulation%clock, balance%ledger, &
             simulation%machine%communicator, error)
          if (allocated(error)) return
-         call set_next_step(simulation%space, simulation%scheme%method, simulation%clock, fastest, &
-            diffusivity, rate)
+         call set_next_step(simulation%space, simulation%scheme%method, simulation%clock, &
+            extremes%fastest, extremes%diffusivity, extremes%rate)
       end associate
    end subroutine finish_step
 
@@ -92,38 +90,6 @@ contains
       end associate
       rate = sqrt(most)
    end subroutine find_rate
-
-   !> Agree with the other ranks on the fastest signal and on requests: the only point in a step
-   !! where all ranks wait for each other.
-   subroutine agree_with_ranks(guard, machine, fastest, diffusivity, rate, load_work, retired)
-      type(guard_t), intent(inout) :: guard
-      type(machine_t), intent(inout) :: machine
-      real(wp), intent(inout) :: fastest !! Greatest speed: of this rank in, of all ranks out [m/s]
-      real(wp), intent(inout) :: diffusivity !! Greatest diffusivity: rank in, all out [m2/s]
-      real(wp), intent(inout) :: rate                !! Greatest rate: rank in, all out [1/s]
-      real(wp), intent(inout) :: load_work !! Work of loads on a particle: rank in, all out [J/kg]
-      logical, intent(inout) :: retired              !! Have particles been removed?
-      real(wp) :: values(9)
-
-      if (machine%communicator%size == 1) return
-      associate (requests => machine%requests)
-         values = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
-            rate, merge(1.0_wp, 0.0_wp, retired), requests%present, load_work]
-         call machine%timer%start(machine%phase%wait)
-         call machine%communicator%maxima(values)
-         call machine%timer%stop(machine%phase%wait)
-         fastest = values(1)
-         requests%leave = values(2)
-         requests%line = values(3)
-         requests%checkpoint = values(4)
-         diffusivity = values(5)
-         if (rate < values(6)) guard%steepest = huge(1_int64)
-         rate = values(6)
-         retired = values(7) > 0.0_wp
-         requests%present = values(8)
-         load_work = values(9)
-      end associate
-   end subroutine agree_with_ranks
 
    !> Stable time step for the fastest signal and the steepest gradient, not growing too fast.
    !! Equation (S.3) of doc/theory/time_step.md.

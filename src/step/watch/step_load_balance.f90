@@ -89,6 +89,7 @@ contains
             call partition_distributed_keys(machine%communicator, tiles%key(:tiles%own), &
                weight, border)
             call tiles%cut(border)
+            call simulation%space%halo%links%forget()
             do tile = 1, tiles%own
                if (tiles%owner(tiles%key(tile)) == rank) cycle
                machine%load%sent = machine%load%sent + 1
