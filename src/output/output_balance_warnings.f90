@@ -83,9 +83,9 @@ contains
          "materials without internal energy do not store the energy that strain update and "// &
          "transfers dissipate; "//remedy//" [R117]")
       if (verdict_of(trust_damped, now%damped_share) /= trust_ok) &
-         call log%warn("warning: the transfers, in scenes with loose grains also the strain update, damp "// &
-         percent(now%damped_share)//" % of the energy, motion that nodes or particles do not "// &
-         "resolve; "//remedy//" [R117]")
+         call log%warn("warning: the transfers, in scenes with loose grains also "// &
+         "the strain update, damp "//percent(now%damped_share)//" % of the energy, motion "// &
+         "that nodes or particles do not resolve; "//remedy//" [R117]")
    end subroutine warn_of_energy
 
    !> A fraction in percent.

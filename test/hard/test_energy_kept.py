@@ -12,8 +12,8 @@ A neo-Hookean body dissipates nothing, so all energy lost is an error. Target: 1
 blocks and free vibration of ten cells in nine periods; angular momentum 1e-4 per turn. The rings, held at 2 %, and the
 ball, held at ten times the target, are known misses. The control is `usl`, which must lose more than a tenth in the
 rings; otherwise the rings would no longer show the improvement. Energy removed by the PIC fraction is recorded: with
-`flip = 0.999` the balance must close too, and the removed energy is more than a tenth. A ball in sand, `usl` by default,
-keeps its energy to the 2 % of foreign_decks.py with what is recorded, without it at least 3 % are missing.
+`flip = 0.999` the balance must close too, and the removed energy is more than a tenth. A ball in sand, with `usl` by
+default, keeps its energy to the 2 % of foreign_decks.py with what is recorded; without it at least 3 % are missing.
 """
 # tiers: smoke, full
 # timeout: 300

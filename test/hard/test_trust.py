@@ -107,6 +107,17 @@ COLD = """
 &boundary  face='zlo'  type='slip' /
 &boundary  region='p'  type='slip'  velocity=0,0,-2 /
 """
+CELL = """
+&run  dimension='3d' /
+&grid  lo=0,0,0  hi=0.1,0.1,0.1  dx=0.0125 /
+&time  t_end=0.015 /
+&material  name='m'  density=1340  young=8.95e6  poisson=0.25  strength_model='mohr_coulomb'  friction_angle=33 /
+&region  name='r'  shape='box'  lo=0,0,0  hi=0.1,0.1,0.1 /
+&body  name='b'  region='r'  material='m' /
+&boundary  face='all'  type='periodic' /
+&cell  pressure=1e5 /
+&stage  name='s'  servo='xyz'  duration=0.03 /
+"""
 NAMED = re.compile(r"step (\d+), .*particle (\d+) of body")
 SIGNS = {"speed": "times the speed that initial state", "heat": "times the energy supplied",
          "total": "more than the energy of the whole run"}
@@ -274,6 +285,13 @@ def test_cold_sample(options, sheet):
     """Round-off of a sum of negative energies that is taken for the energy of the run, which then stops (R111)."""
     run = case.Case(options, "cold", COLD).run("-q")
     sheet.require(run.summary["trust"]["verdict"] != "bad", f"cold: {run.summary['trust']}")
+
+
+def test_rounding(options, sheet):
+    """Speeds of rounding in a cell under pressure that count as speeds without a cause."""
+    run = case.Case(options, "cell", CELL).run("-q")
+    sheet.require(run.summary["trust"]["speed"]["verdict"] == "ok", f"cell: {run.summary['trust']}")
+    sheet.require(not warnings(run, SIGNS["speed"]), "cell: no warning of a speed")
 
 
 @pytest.mark.tiers("full", "long")

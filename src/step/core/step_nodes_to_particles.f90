@@ -279,8 +279,8 @@ contains
       end associate
    end subroutine move_particles
 
-   !> Record the work of the stress on the gain of the nodes that the particles of a tile do not get.
-   !! Equation (L.13) of doc/theory/ledger.md.
+   !> Record the work of the stress on the gain of the nodes that the particles of a tile do not
+   !! get. Equation (L.13) of doc/theory/ledger.md.
    subroutine record_gain(space, method, motion, scratch, store, tile, dt)
       type(space_t), intent(in) :: space
       type(method_t), intent(in) :: method

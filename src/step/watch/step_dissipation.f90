@@ -90,8 +90,8 @@ contains
       if (method%transfer%affine()) measurable = measurable .and. method%transfer%turning()
    end function measures_update
 
-   !> Record the work of the stress on the gain of the nodes that the particles of a tile do not get:
-   !! the variance of the gain over the nodes around each particle. Equation (L.13) of
+   !> Record the work of the stress on the gain of the nodes that the particles of a tile do not
+   !! get: the variance of the gain over the nodes around each particle. Equation (L.13) of
    !! doc/theory/ledger.md.
    subroutine record_unresolved(ledger, store, tile, axes, gain)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread

@@ -40,6 +40,8 @@ module step_trust
    integer(int64), parameter :: shapes_every = 250, shapes_first = 50, shapes_later = 1000
    !> Particles beyond these multiples of the explained speed and energy are implausible [1]
    real(wp), parameter :: fast = 2.0_wp, hot = 4.0_wp, cold = 1.0_wp
+   !> Speeds below this fraction of the wave speed are rounding [1]
+   real(wp), parameter :: still = 1.0e-12_wp
 
 contains
 
@@ -312,7 +314,8 @@ contains
       type(trust_t), intent(in) :: trust             !! Values at the start
       integer :: n
 
-      square = max(trust%start_speed**2, 2.0_wp*trust%start_energy)
+      square = max(trust%start_speed**2, 2.0_wp*trust%start_energy, &
+         still**2*greatest_wave_square(materials))
       associate (boundary => space%boundary, grid => space%grid)
          if (allocated(boundary%wall)) then
             do n = 1, size(boundary%wall)
