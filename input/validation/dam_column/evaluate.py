@@ -11,7 +11,7 @@ choice, since the motion of the gate is not known, it arrives at 0.360 s, and th
 (4 cells in the width of the column; released at once 30, 24, 17 and 8 N). So the arrival is that of the gate; the
 impact depends on the cells, because the water in front of the gate is thinner than a cell.
 """
-import numpy as np
+from scree_post.validation import first_above, mean_forces
 
 SUBJECT = "water"
 WINDOWS = {"impact": (0.38, 0.44), "first": (0.5, 0.7), "second": (0.7, 0.9), "third": (0.9, 1.1)}
@@ -25,8 +25,4 @@ def measure(run, shot):
     """Arrival and mean forces from the impulse on the half of the column."""
     table = run.tables["forces"]
     time, impulse = table["time"].to_numpy(), 2.0 * table["column_impulse_x"].to_numpy()
-    found = {"arrival": time[1 + np.nonzero(np.diff(impulse) > 8.0 * np.diff(time))[0][0]]}
-    for name, (start, end) in WINDOWS.items():
-        first, last = np.interp((start, end), time, impulse)
-        found[name] = (last - first) / (end - start)
-    return found
+    return {"arrival": first_above(time, impulse, 8.0)} | mean_forces(time, impulse, WINDOWS)

@@ -17,6 +17,8 @@ floor that sticks makes the water at 0.66 m deeper (206 mm), so friction is not 
 """
 import numpy as np
 
+from scree_post.validation import first_above, mean_forces
+
 SUBJECT = "water"
 GAUGES = {"h4": (1.8135, "1.81 m"), "h1": (0.6635, "0.66 m"), "h2": (0.1675, "0.17 m")}
 TIMES = {"04": 0.4, "06": 0.6, "10": 1.0}
@@ -36,10 +38,7 @@ def measure(run, shot):
     middle = next(region for region in run.deck["region"] if region["name"] == "middle")
     area = 0.161 * middle["hi"][1]
     time, impulse = table["time"].to_numpy(), -table["middle_impulse_x"].to_numpy() / (1.0e3 * area)
-    found = {"arrival": time[1 + np.nonzero(np.diff(impulse) > 0.7 * np.diff(time))[0][0]]}
-    for name, (start, end) in WINDOWS.items():
-        first, last = np.interp((start, end), time, impulse)
-        found[name] = (last - first) / (end - start)
+    found = {"arrival": first_above(time, impulse, 0.7)} | mean_forces(time, impulse, WINDOWS)
     for key, moment in TIMES.items():
         snap = min(run.snapshots, key=lambda one: abs(one.time - moment))
         for gauge, (place, _) in GAUGES.items():

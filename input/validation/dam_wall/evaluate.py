@@ -19,6 +19,8 @@ this effect smaller, so that the reason is not known.
 """
 import numpy as np
 
+from scree_post.validation import first_above, mean_forces
+
 SUBJECT = "water"
 WINDOWS = {"p1_impact": (2.5, 2.7), "p1_early": (3.0, 3.5), "p1_late": (3.5, 4.5), "p3_impact": (2.7, 3.0),
            "p3_early": (3.0, 3.5), "p3_late": (3.5, 4.5), "p4_early": (3.0, 3.5), "p4_late": (3.5, 4.5)}
@@ -40,9 +42,7 @@ def measure(run, shot):
             inside = nodes[(nodes >= region["lo"][2] - 1e-9) & (nodes <= region["hi"][2])]
             area = dx * (len(inside) - 0.5 * (inside[0] == 0.0))
             impulse[region["name"]] = table[f"{region['name']}_impulse_x"].to_numpy() / (area * clock * unit)
-    rate = np.diff(impulse["p1"]) / np.diff(time)
-    found = {"arrival": time[1 + np.nonzero(rate > 0.25)[0][0]]}
-    for name, (start, end) in WINDOWS.items():
-        first, last = np.interp((start, end), time, impulse[name[:2]])
-        found[name] = (last - first) / (end - start)
+    found = {"arrival": first_above(time, impulse["p1"], 0.25)}
+    for sensor, values in impulse.items():
+        found |= mean_forces(time, values, {name: span for name, span in WINDOWS.items() if name.startswith(sensor)})
     return found

@@ -23,6 +23,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 import scree
 from scree.drawing import look
 from scree.errors import EXIT_USAGE, FileProblem, ScreeError, readable, reading, unknown
@@ -255,6 +257,20 @@ def compute(shots: Sequence[tuple[Family, Shot]], *, program: str | None, outdir
                                       blocked))
                 seconds = more = 0.0
     return results, failed
+
+
+def first_above(time: np.ndarray, impulse: np.ndarray, force: float) -> float:
+    """Time at the end of the first interval over which the mean force, the rate of the impulse, exceeds a value."""
+    return float(time[1 + np.nonzero(np.diff(impulse) > force * np.diff(time))[0][0]])
+
+
+def mean_forces(time: np.ndarray, impulse: np.ndarray, spans: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+    """Mean forces over spans of time by their names, from the impulse."""
+    found = {}
+    for name, (start, end) in spans.items():
+        first, last = np.interp((start, end), time, impulse)
+        found[name] = float((last - first) / (end - start))
+    return found
 
 
 def shock_from_wall(run: Run) -> float:
