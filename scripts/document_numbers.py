@@ -62,8 +62,7 @@ MISSES = """
 ## Known misses of the tests
 
 A *known miss* is a target in a test that the program does not meet. The test fails if the size of the value exceeds the
-limit, and also if the target is met ([Testing](../developer/testing.md)). Every test run lists its known misses at the
-end.
+limit, and also if the target is met ([Testing](../developer/testing.md)). Test runs end with their known misses.
 """
 
 

@@ -37,9 +37,10 @@ module run_plausible
    !> Beyond this number of steps a step is no longer than the rounding error of the time.
    real(wp), parameter :: countable = 1.0e15_wp
    !> Pressures of equations of state, which have no usual ratio to the bulk modulus.
-   character(len=4), parameter :: other_prefixes(4) = ["jh2_", "till", "jwl_", "pa_p"]
-   character(len=9), parameter :: moduli(7) = [character(len=9) :: "young", "bulk", "jh2_k1", &
-      "jh2_k2", "jh2_k3", "till_bulk", "mg_c0"]
+   character(len=4), parameter :: other_prefixes(5) = ["jh2_", "hjc_", "till", "jwl_", "pa_p"]
+   character(len=7), parameter :: strengths(2) = [character(len=7) :: "jh2_hel", "hjc_fc"]
+   character(len=9), parameter :: moduli(10) = [character(len=9) :: "young", "bulk", "jh2_k1", &
+      "jh2_k2", "jh2_k3", "hjc_k1", "hjc_k2", "hjc_k3", "till_bulk", "mg_c0"]
 
 contains
 
@@ -112,7 +113,8 @@ contains
          do k = 1, size(keys)
             if (keys(k)%unit_text /= "Pa" .or. keys(k)%number_of_values > 1) cycle
             if (any(keys(k)%name == moduli) .or. .not. group%given(keys(k)%name)) cycle
-            if (any(index(keys(k)%name, other_prefixes) == 1) .and. keys(k)%name /= "jh2_hel") cycle
+            if (any(index(keys(k)%name, other_prefixes) == 1) .and. .not. &
+               any(keys(k)%name == strengths)) cycle
             call group%get(keys(k)%name, value)
             ratio = value/material%bulk
             if (keys(k)%name == "shear") then

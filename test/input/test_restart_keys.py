@@ -66,6 +66,8 @@ SCENES = {
                   "material.viscosity material.bulk"),
     "jh2": ({"material": "preset='glass_soda_lime'", "speed": 500, "effects": "damage=.true."},
             "material.jh2_k1 material.jh2_a material.jh2_n"),
+    "hjc": ({"material": "preset='concrete_48'", "speed": 100, "effects": "damage=.true."},
+            "material.hjc_pcrush material.hjc_a material.hjc_t"),
     "tillotson": ({"material": "density=2700  shear=2.2e10  eos_model='tillotson'  till_a=0.5  till_b=1.5"
                    "  till_bulk=2.67e10  till_square=2.67e10  till_alpha=5  till_beta=5  till_e0=4.87e8"
                    "  till_eiv=4.72e6  till_ecv=1.82e7", "speed": 1000},

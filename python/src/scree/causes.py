@@ -18,7 +18,7 @@ def causes_of(echo: str) -> list[str]:
     found = []
     for material in groups(echo, "material"):
         model = str(material.get("damage_model", "none"))
-        by = [f"damage_model = '{model}'"] * (model in ("johnson_cook", "jh2", "porosity") or (
+        by = [f"damage_model = '{model}'"] * (model in ("johnson_cook", "jh2", "hjc", "porosity") or (
             model in ("principal_stress", "principal_strain") and "fracture_energy" not in material
             and not material.get("failure_delay")))
         by += ["spall"] * ("spall" in material)

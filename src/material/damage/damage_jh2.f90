@@ -10,10 +10,11 @@ module damage_jh2
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
-   use law_jh2, only: jh2_t, strain_rate
+   use law_jh2, only: jh2_t, law_jh2_t
    use material_damage, only: damage_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
+   use material_kinematics, only: strain_rate
    use material_law, only: law_t
    use material_state, only: deformation_t, material_state_t
    implicit none
@@ -66,7 +67,12 @@ contains
 
       text = ""
       fits = .false.
-      if (allocated(law)) fits = law%softens_by_damage()
+      if (allocated(law)) then
+         select type (law)
+         class is (law_jh2_t)
+            fits = .true.
+         end select
+      end if
       if (.not. fits) text = "damage_model = 'jh2' needs strength_model = 'jh2' [D364]"
    end function damage_jh2_fault
 

@@ -62,7 +62,7 @@ contains
 
       call schema%text("material", "failed_as", "law of failed material: rubble has neither "// &
          "deviator nor tension, nothing has zero stress, the others follow that strength law; "// &
-         "default: rubble, with damage_model = 'jh2' the fractured strength", &
+         "default: rubble, with damage_model = 'jh2' or 'hjc' the strength of its law", &
          words="rubble nothing granular drucker_prager", owner="effects.damage")
       call schema%forbid_change("material", "failed_as", "it decides which fields the "// &
          "particles of the checkpoint have")

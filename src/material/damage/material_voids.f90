@@ -8,7 +8,7 @@
 !!    d ln rho = -(alpha d ln V + B dt),   d ln theta = (alpha - 1) d ln V + B dt
 !!
 !! Only theta is stored. Where alpha is 0, theta V and rho are constant to round-off: voids open and
-!! close without pressure, and closed voids do not change the pressure. Equation (F.17) of
+!! close without pressure, and closed voids do not change the pressure. Equation (F.25) of
 !! doc/theory/failure.md.
 module material_voids
    use base_kinds, only: wp
@@ -121,7 +121,7 @@ contains
    end subroutine voids_read
 
    !> Fraction of the dilatation of the material itself in the step, from the stress before it, with
-   !! the voids that shear opens. Equations (F.19) and (F.20).
+   !! the voids that shear opens. Equations (F.27) and (F.28).
    pure subroutine voids_choose_fraction(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state       !! State of the store
@@ -174,7 +174,7 @@ contains
    end subroutine find_fraction
 
    !> Open and close voids, with the volume before and after the step. Compression beyond the
-   !! contact of grains is that of the material. Equation (F.18).
+   !! contact of grains is that of the material. Equation (F.26).
    pure subroutine voids_update_solid_fraction(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state       !! State of the store
@@ -234,7 +234,7 @@ contains
             0.0_wp)
    end subroutine voids_to_total_volume
 
-   !> Expand heated grains into voids: B = expansion dT/dt. Equation (F.20).
+   !> Expand heated grains into voids: B = expansion dT/dt. Equation (F.28).
    pure subroutine expand_grains(expansion, state, deformation, first, last)
       real(wp), intent(in) :: expansion                    !! Thermal, of the volume [1/K]
       type(material_state_t), intent(inout) :: state       !! State of the store

@@ -18,12 +18,13 @@ module law_jh2
    use material_effects, only: effects_t, in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
+   use material_kinematics, only: strain_rate
    use material_law, only: equivalent_stress, law_t, return_radially, strain_trial
    use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
-   public :: jh2_t, law_jh2_t, strain_rate
+   public :: jh2_t, law_jh2_t
 
    !> Constants.
    type :: jh2_t
@@ -166,23 +167,6 @@ contains
          deformation%strength%tangent)
       call return_radially(self%shear, 0.0_wp, state, deformation, first, last)
    end subroutine law_jh2_update
-
-   !> Equivalent rate of strain, sqrt(2/3 d:d) of its deviator.
-   pure subroutine strain_rate(count, gradient, dt, rate)
-      integer, intent(in) :: count                   !! Particles of the range
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), contiguous, intent(inout) :: rate(:) !! (range) [1/s]
-      real(wp) :: mean
-      integer :: i
-
-      do concurrent (i=1:count)
-         mean = (gradient(i, 1) + gradient(i, 5) + gradient(i, 9))/3.0_wp
-         rate(i) = sqrt(2.0_wp/3.0_wp*((gradient(i, 1) - mean)**2 + (gradient(i, 5) - mean)**2 &
-            + (gradient(i, 9) - mean)**2 + 0.5_wp*((gradient(i, 2) + gradient(i, 4))**2 &
-            + (gradient(i, 3) + gradient(i, 7))**2 + (gradient(i, 6) + gradient(i, 8))**2)))/dt
-      end do
-   end subroutine strain_rate
 
    !> Add the shear modulus to the square of the wave speed, for intact and fractured material. It
    !! does not increase with the volume, otherwise a cloud of fragments would shorten the time step.

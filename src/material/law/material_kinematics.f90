@@ -7,7 +7,7 @@ module material_kinematics
    private
 
    public :: centre_backward, centre_gradient, corotate_strain, deform, dilate, follow_motion, &
-      predict_deviator
+      predict_deviator, strain_rate
 
    real(wp), parameter :: third = 1.0_wp/3.0_wp, twelfth = 1.0_wp/12.0_wp
 
@@ -407,4 +407,21 @@ contains
       syz = t21*q31 + t22*q32 + t23*q33
       sxz = t11*q31 + t12*q32 + t13*q33
    end subroutine rotate
+
+   !> Equivalent rate of strain, sqrt(2/3 d:d) of its deviator.
+   pure subroutine strain_rate(count, gradient, dt, rate)
+      integer, intent(in) :: count                   !! Particles of the range
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: rate(:) !! (range) [1/s]
+      real(wp) :: mean
+      integer :: i
+
+      do concurrent (i=1:count)
+         mean = (gradient(i, 1) + gradient(i, 5) + gradient(i, 9))/3.0_wp
+         rate(i) = sqrt(2.0_wp/3.0_wp*((gradient(i, 1) - mean)**2 + (gradient(i, 5) - mean)**2 &
+            + (gradient(i, 9) - mean)**2 + 0.5_wp*((gradient(i, 2) + gradient(i, 4))**2 &
+            + (gradient(i, 3) + gradient(i, 7))**2 + (gradient(i, 6) + gradient(i, 8))**2)))/dt
+      end do
+   end subroutine strain_rate
 end module material_kinematics

@@ -71,6 +71,7 @@ module material_state
       real(wp), allocatable :: bound(:)              !! Bound of the principal deviators [Pa]
       real(wp), allocatable :: load(:)               !! Load over strength [1]
       real(wp), allocatable :: work(:)               !! Work on particles with cracks [J]
+      real(wp), allocatable :: crushing(:)           !! Plastic compression of the step [1]
       real(wp), allocatable :: mean(:) !! Mean stress without the cracks, before the step [Pa]
    end type damage_scratch_t
 
@@ -183,7 +184,8 @@ contains
             self%wave_speed, self%plastic_work, self%viscous_work, self%strength%homologous, &
             self%strength%old_damage, self%strength%strain_rate, self%strength%dilation, &
             self%strength%tangent, self%strength%shear_ratio, self%damage%bound, &
-            self%damage%load, self%damage%work, self%damage%mean, self%voids%alpha, &
+            self%damage%load, self%damage%crushing, self%damage%work, self%damage%mean, &
+            self%voids%alpha, &
             self%voids%loose, self%voids%old_pressure, self%voids%old_temperature, &
             self%voids%total_volume)
       end if
@@ -195,8 +197,8 @@ contains
          self%gruneisen(n), self%wave_speed(n), self%plastic_work(n), self%viscous_work(n), &
          self%strength%homologous(n), self%strength%old_damage(n), self%strength%strain_rate(n), &
          self%strength%dilation(n), self%strength%tangent(n), self%strength%shear_ratio(n), &
-         self%damage%bound(n), self%damage%load(n), self%damage%work(n), self%damage%mean(n), &
-         self%voids%alpha(n), self%voids%loose(n), self%voids%old_pressure(n), &
-         self%voids%old_temperature(n), self%voids%total_volume(n))
+         self%damage%bound(n), self%damage%load(n), self%damage%crushing(n), &
+         self%damage%work(n), self%damage%mean(n), self%voids%alpha(n), self%voids%loose(n), &
+         self%voids%old_pressure(n), self%voids%old_temperature(n), self%voids%total_volume(n))
    end subroutine deformation_reserve
 end module material_state

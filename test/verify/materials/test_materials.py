@@ -26,7 +26,7 @@ METALS = ("al_2024_t351", "al_2017_t4", "al_6061_t6", "cu_ofhc", "steel_4340", "
           "steel_weldox_700e", "tungsten_alloy", "ti_6al_4v")
 STONES, EXPLOSIVES = ("granite", "concrete_c40"), ("tnt", "comp_b", "pbx_9404")
 SOLIDS = (*METALS, "glass_soda_lime", "glass_borosilicate", *STONES)
-PRESETS = (*SOLIDS, "sand_dry", "glass_beads", *EXPLOSIVES)
+PRESETS = (*SOLIDS, "concrete_48", "sand_dry", "glass_beads", *EXPLOSIVES)
 DECK = """
 &effects  damage={damage} /
 &material  name='m'  preset='{preset}' /
@@ -148,6 +148,16 @@ def test_cone(options, sheet, preset):
     for row in rows:
         sheet.near(f"{preset}: {row['quantity']}", found[row["quantity"]], float(row["value"]), 0.005)
     sheet.below(f"{preset}: failure stress over the strength", set_of["failure_stress"] / found["strength"], 0.1)
+
+
+def test_crushed_concrete(options, sheet):
+    """Strength of concrete in slow uniaxial compression, the greatest stress of a path with damage: above that of its
+    cylinders, which is the unit of its published constants."""
+    row, = published("concrete_48", "strength")
+    path = point(options, "concrete_48", "press", "path='triaxial'  strain=-0.02  rate=1  steps=1000", damage=True)
+    sheet.require(path["damage"][-1] > 0.5, "the damage grows on the path")
+    sheet.known("concrete_48: strength in uniaxial compression over that of cylinders, less one",
+                abs(path["xx"]).max() / float(row["value"]) - 1.0, 1.05, 0.05)
 
 
 def test_elastic_limit(options, sheet):

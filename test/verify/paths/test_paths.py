@@ -6,7 +6,8 @@ not depend on the pressure; steps that are not at least of first order; work tha
 
 `scree --point` returns to the yield surface with implicit steps. Here the law of Johnson and Cook is a differential
 equation, the flow rate as a function of the stress, solved by a Runge-Kutta method; p-alpha and Tillotson are
-isentropes, solved likewise; cracks are an elastic column and an opening in series. Steinberg and Guinan and JH-2 are
+isentropes, solved likewise, and so is crushed concrete (HJC), whose flow follows from the consistency of stress and
+strength; cracks are an elastic column and an opening in series. Steinberg and Guinan and JH-2 are
 stepped with ten times as many steps, the former with means of both ends. Each path is run with four numbers of steps:
 the error must be small with the most, and decrease with first order, that of the energy alone with second. Where flow
 begins again within a step, at a rate that jumps (copper released), the order is 0.65 and the error 7e-5. The pressure
@@ -44,6 +45,10 @@ GLASS = """
 &material  name='g'  density=2530  shear=30.4e9  eos_model='jh2'  jh2_k1=45.4e9  jh2_k2=-138e9  jh2_k3=290e9
   strength_model='jh2'  jh2_a=0.93  jh2_b=0.088  jh2_c=0.003  jh2_m=0.35  jh2_n=0.77  jh2_fmax=0.5  jh2_t=0.15e9
   jh2_hel=5.95e9  jh2_phel=2.92e9  damage_model='jh2'  jh2_d1=0.053  jh2_d2=0.85  jh2_beta=1 /
+"""
+CRUSHED = """
+&effects  damage=.true.  artificial_viscosity=.false. /
+&material  name='c'  preset='concrete_48' /
 """
 POROUS = """
 &effects  strength=.false. /
@@ -259,6 +264,54 @@ def glass(end, steps, keep):
     return np.array(rows)
 
 
+def crushed(end, steps, keep):
+    """Concrete with HJC that is pressed in uniaxial strain: stress along x, pressure, damage. While it flows, the
+    equivalent stress stays equal to the strength, which gives the rate of flow."""
+    g, fc, elastic, solid = 14.86e9, 48.0e6, 16.0e9, 85.0e9
+    factor = 1.0 + 0.007 * np.log(2.0 / 3.0 * 1.0e5)
+    roots = np.roots((208.0e9, -171.0e9, solid, -0.8e9))
+    full = 0.1 + 1.1 * float(roots[np.abs(roots.imag) < 1.0e-12].real.min())
+    rise = (0.8e9 - 16.0e6) / (full - 0.001)
+
+    def pressed(mu):
+        """Pressure, its slope, and that of the compression that is left after release."""
+        if mu <= 0.001:
+            return elastic * mu, elastic, 0.0
+        if mu >= full:
+            x = (mu - 0.1) / 1.1
+            return (solid * x - 171.0e9 * x ** 2 + 208.0e9 * x ** 3,
+                    (solid - 342.0e9 * x + 624.0e9 * x ** 2) / 1.1, 0.0)
+        pressure = 16.0e6 + rise * (mu - 0.001)
+        more = (solid - elastic) / (full - 0.001)
+        modulus = elastic + more * (mu - 0.001)
+        return pressure, rise, 1.0 - rise / modulus + pressure * more / modulus ** 2
+
+    def strength(pressure, damage):
+        return fc * min(7.0, factor * (0.79 * (1.0 - damage) + 1.6 * (pressure / fc) ** 0.61))
+
+    def slopes(strain, state):
+        equivalent, damage = state
+        mu = np.exp(strain) - 1.0
+        pressure, slope, left = pressed(mu)
+        limit = max(0.01, 0.04 * (pressure + 4.0e6) / fc)
+        least, flow = strength(pressure, damage), 0.0
+        free = least < 7.0 * fc                   # of the cap
+        softer = 0.79 * fc * factor / limit * (free and damage < 1.0)
+        if equivalent >= least:
+            harder = factor * 1.6 * 0.61 * (pressure / fc) ** -0.39 * slope * free
+            flow = max(0.0, (2.0 * g - (harder - softer * left) * (1.0 + mu)) / (3.0 * g - softer))
+        growth = (flow + left * (1.0 + mu)) / limit * (damage < 1.0)
+        return np.array([2.0 * g - 3.0 * g * flow, growth])
+
+    rows = []
+    for strain, (equivalent, damage) in zip(np.linspace(0.0, end, keep + 1),
+                                            runge_kutta(slopes, np.zeros(2), end, steps, keep)):
+        pressure = pressed(np.exp(strain) - 1.0)[0]
+        damage = min(1.0, damage)
+        rows.append((-pressure - 2.0 / 3.0 * min(equivalent, strength(pressure, damage)), pressure, damage))
+    return np.array(rows)
+
+
 # The onset of crushing lies somewhere within a step: of first order only, on steps that are not halved each time.
 FIRST_ORDER = ("p-alpha -0.45: pressure",)
 
@@ -374,3 +427,6 @@ def test_paths(options, sheet):
     compare(options, sheet, "glass, pressed and released", GLASS,
             "path='uniaxial_strain'  rate=1e5  strain=-0.2  returns=.true.",
             {"xx": rows[:, 0], "pressure": rows[:, 2], "damage": rows[:, 1]}, counts, 4.0e-3, 0.7)
+    rows = crushed(0.15, 20000, 20)
+    compare(options, sheet, "concrete, crushed", CRUSHED, "path='uniaxial_strain'  rate=1e5  strain=-0.15",
+            {"xx": rows[:, 0], "pressure": rows[:, 1], "damage": rows[:, 2]}, counts, 4.0e-3, 0.7)
