@@ -16,11 +16,9 @@ module law_hjc
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
+   use material_damaged_law, only: damaged_law_t
    use material_effects, only: effects_t
    use material_field_requests, only: field_requests_t
-   use material_kinematics, only: strain_rate
-   use material_law, only: equivalent_stress, law_t, return_radially, strain_trial
-   use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -42,17 +40,13 @@ module law_hjc
    end type hjc_t
 
    !> Law of Holmquist, Johnson and Cook.
-   type, extends(law_t) :: law_hjc_t
+   type, extends(damaged_law_t) :: law_hjc_t
       type(hjc_t) :: constants                       !! Constants of strength
    contains
       procedure :: declare => law_hjc_declare        !! Declares its keys
       procedure :: read => law_hjc_read              !! Reads its keys
-      procedure :: needs_eos => law_hjc_needs_eos    !! Returns true
-      procedure :: supports_voids => law_hjc_supports_voids !! Returns false
-      procedure :: softens_by_damage => law_hjc_softens_by_damage !! Returns true
       procedure :: request => law_hjc_request        !! Requests the energy field
-      procedure :: update => law_hjc_update          !! Radial return
-      procedure :: add_wave_speed => law_hjc_add_wave_speed !! Fractured material is stiff too
+      procedure :: find_strengths => law_hjc_find_strengths !! Equivalent stress at yield
       procedure :: least_pressure => law_hjc_least_pressure !! That of the tension
    end type law_hjc_t
 
@@ -92,27 +86,6 @@ contains
       call self%constants%read(group, effects)
    end subroutine law_hjc_read
 
-   !> Strength follows a pressure that depends on the density.
-   pure logical function law_hjc_needs_eos(self) result(needs)
-      class(law_hjc_t), intent(in) :: self
-
-      needs = .true.
-   end function law_hjc_needs_eos
-
-   !> Its constants are those of material whose pores the equation of state describes.
-   pure logical function law_hjc_supports_voids(self) result(supports)
-      class(law_hjc_t), intent(in) :: self
-
-      supports = .false.
-   end function law_hjc_supports_voids
-
-   !> Damage removes its cohesion.
-   pure logical function law_hjc_softens_by_damage(self) result(softens)
-      class(law_hjc_t), intent(in) :: self
-
-      softens = .true.
-   end function law_hjc_softens_by_damage
-
    !> The tension that damaged material supports is not a function of the density, so particles
    !! carry their energy.
    pure subroutine law_hjc_request(self, requests)
@@ -122,48 +95,17 @@ contains
       call requests%add("energy", "strength model hjc", 1)
    end subroutine law_hjc_request
 
-   !> Return to the yield surface, which does not change in the step. The pressure stays above the
-   !! tension that damaged material supports. Equation (F.19).
-   pure subroutine law_hjc_update(self, state, deformation, first, last, dt)
+   !> Equivalent stress at yield of many particles.
+   pure subroutine law_hjc_find_strengths(self, count, pressure, rate, damage, stress)
       class(law_hjc_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state       !! State of the store
-      type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first, last                   !! Particles of the range
-      real(wp), intent(in) :: dt                           !! Time step [s]
-      integer :: count, i
+      integer, intent(in) :: count                     !! Particles of the range
+      real(wp), contiguous, intent(in) :: pressure(:)  !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: rate(:)      !! Equivalent, of strain (range) [1/s]
+      real(wp), contiguous, intent(in) :: damage(:)    !! D (range) [1]
+      real(wp), contiguous, intent(inout) :: stress(:) !! (range) [Pa]
 
-      count = last - first + 1
-      call strain_trial(state, deformation, first, last)
-      call equivalent_stress(state, deformation, first, last)
-      call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
-      deformation%strength%old_damage(:count) = 0.0_wp
-      if (allocated(state%damage)) deformation%strength%old_damage(:count) = &
-         state%damage(first:last)
-      do concurrent (i=1:count)
-         deformation%pressure(i) = max(deformation%pressure(i), -self%constants%tension &
-            *(1.0_wp - deformation%strength%old_damage(i)))
-      end do
-      call self%constants%find_strengths(count, deformation%pressure, &
-         deformation%strength%strain_rate, deformation%strength%old_damage, &
-         deformation%strength%tangent)
-      call return_radially(self%shear, 0.0_wp, state, deformation, first, last)
-   end subroutine law_hjc_update
-
-   !> Add the shear modulus to the square of the wave speed, also for fractured material. In dilute
-   !! material the term is that of the reference density.
-   pure subroutine law_hjc_add_wave_speed(self, state, deformation, first, last)
-      class(law_hjc_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state          !! State of the store
-      type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first, last                   !! Particles of the range
-      integer :: i, k
-
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &
-            *min(state%volume(k)/state%mass(k), 1.0_wp/self%density)
-      end do
-   end subroutine law_hjc_add_wave_speed
+      call self%constants%find_strengths(count, pressure, rate, damage, stress)
+   end subroutine law_hjc_find_strengths
 
    !> Least pressure that the law supports [Pa].
    pure real(wp) function law_hjc_least_pressure(self) result(pressure)

@@ -15,12 +15,10 @@ module law_jh2
    use base_kinds, only: wp
    use deck_group_values, only: group_t
    use deck_schema, only: schema_t
+   use material_damaged_law, only: damaged_law_t
    use material_effects, only: effects_t, in_order
    use material_eos, only: eos_t
    use material_field_requests, only: field_requests_t
-   use material_kinematics, only: strain_rate
-   use material_law, only: equivalent_stress, law_t, return_radially, strain_trial
-   use material_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -45,18 +43,14 @@ module law_jh2
    end type jh2_t
 
    !> Law of Johnson and Holmquist.
-   type, extends(law_t) :: law_jh2_t
+   type, extends(damaged_law_t) :: law_jh2_t
       type(jh2_t) :: constants                       !! Constants of strength
    contains
       procedure :: declare => law_jh2_declare        !! Declares its keys
       procedure :: fault => law_jh2_fault            !! Checks its constants
       procedure :: read => law_jh2_read              !! Reads its keys
-      procedure :: needs_eos => law_jh2_needs_eos    !! Returns true
-      procedure :: supports_voids => law_jh2_supports_voids !! Returns false
-      procedure :: softens_by_damage => law_jh2_softens_by_damage !! Returns true
       procedure :: request => law_jh2_request        !! Requests the energy field
-      procedure :: update => law_jh2_update          !! Radial return
-      procedure :: add_wave_speed => law_jh2_add_wave_speed !! Fractured material is stiff too
+      procedure :: find_strengths => law_jh2_find_strengths !! Equivalent stress at yield
       procedure :: least_pressure => law_jh2_least_pressure !! That of the tension
    end type law_jh2_t
 
@@ -111,27 +105,6 @@ contains
       call self%constants%read(group, effects)
    end subroutine law_jh2_read
 
-   !> Strength follows a pressure that depends on the density.
-   pure logical function law_jh2_needs_eos(self) result(needs)
-      class(law_jh2_t), intent(in) :: self
-
-      needs = .true.
-   end function law_jh2_needs_eos
-
-   !> Its constants are those of material without pores.
-   pure logical function law_jh2_supports_voids(self) result(supports)
-      class(law_jh2_t), intent(in) :: self
-
-      supports = .false.
-   end function law_jh2_supports_voids
-
-   !> Its strength decreases from intact to fractured with the damage.
-   pure logical function law_jh2_softens_by_damage(self) result(softens)
-      class(law_jh2_t), intent(in) :: self
-
-      softens = .true.
-   end function law_jh2_softens_by_damage
-
    !> The pressure made by fracture is not a function of the density, so particles carry their
    !! energy.
    pure subroutine law_jh2_request(self, requests)
@@ -141,48 +114,17 @@ contains
       call requests%add("energy", "strength model jh2", 1)
    end subroutine law_jh2_request
 
-   !> Return to the yield surface, which does not change in the step. The pressure stays above the
-   !! tension that damaged material supports.
-   pure subroutine law_jh2_update(self, state, deformation, first, last, dt)
+   !> Equivalent stress at yield of many particles.
+   pure subroutine law_jh2_find_strengths(self, count, pressure, rate, damage, stress)
       class(law_jh2_t), intent(in) :: self
-      type(material_state_t), intent(inout) :: state       !! State of the store
-      type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first, last                   !! Particles of the range
-      real(wp), intent(in) :: dt                           !! Time step [s]
-      integer :: count, i
+      integer, intent(in) :: count                     !! Particles of the range
+      real(wp), contiguous, intent(in) :: pressure(:)  !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: rate(:)      !! Equivalent, of strain (range) [1/s]
+      real(wp), contiguous, intent(in) :: damage(:)    !! D (range) [1]
+      real(wp), contiguous, intent(inout) :: stress(:) !! (range) [Pa]
 
-      count = last - first + 1
-      call strain_trial(state, deformation, first, last)
-      call equivalent_stress(state, deformation, first, last)
-      call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
-      deformation%strength%old_damage(:count) = 0.0_wp
-      if (allocated(state%damage)) deformation%strength%old_damage(:count) = &
-         state%damage(first:last)
-      do concurrent (i=1:count)
-         deformation%pressure(i) = max(deformation%pressure(i), -self%constants%tension &
-            *(1.0_wp - deformation%strength%old_damage(i)))
-      end do
-      call self%constants%find_strengths(count, deformation%pressure, &
-         deformation%strength%strain_rate, deformation%strength%old_damage, &
-         deformation%strength%tangent)
-      call return_radially(self%shear, 0.0_wp, state, deformation, first, last)
-   end subroutine law_jh2_update
-
-   !> Add the shear modulus to the square of the wave speed, for intact and fractured material. It
-   !! does not increase with the volume, otherwise a cloud of fragments would shorten the time step.
-   pure subroutine law_jh2_add_wave_speed(self, state, deformation, first, last)
-      class(law_jh2_t), intent(in) :: self
-      type(material_state_t), intent(in) :: state                 !! State of the store
-      type(deformation_t), intent(inout) :: deformation    !! Step of the range
-      integer, intent(in) :: first, last                   !! Particles of the range
-      integer :: i, k
-
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &
-            *min(state%volume(k)/state%mass(k), 1.0_wp/self%density)
-      end do
-   end subroutine law_jh2_add_wave_speed
+      call self%constants%find_strengths(count, pressure, rate, damage, stress)
+   end subroutine law_jh2_find_strengths
 
    !> Least pressure that the law supports [Pa].
    pure real(wp) function law_jh2_least_pressure(self) result(pressure)
