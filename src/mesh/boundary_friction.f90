@@ -15,6 +15,7 @@ module boundary_friction
    type, extends(boundary_condition_t) :: boundary_friction_t
    contains
       procedure, nopass :: meaning => friction_meaning
+      procedure, nopass :: waits => yes
       procedure :: declare => friction_declare
       procedure :: read => friction_read
       procedure, nopass :: slides => yes

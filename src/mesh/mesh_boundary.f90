@@ -17,6 +17,9 @@ module mesh_boundary
    type, extends(boundary_walls_t) :: boundary_t
       logical :: warm(6) = .false.                   !! (face) Has it a given temperature?
       real(wp) :: temperature(6) = 0.0_wp            !! (face) That temperature [K]
+      !> (node, tile) Bit n - 1 = material has reached boundary n there; not allocated if walls wait
+      !! for no particle
+      integer, allocatable :: reached(:, :)
    contains
       procedure :: touches => boundary_touches       !! Does a tile have nodes on such a boundary?
 
@@ -73,10 +76,12 @@ contains
 
    !> Set the velocity of the nodes on boundaries and remove their acceleration, except those of the
    !! boundaries themselves.
-   pure subroutine boundary_constrain(self, grid, coordinate, velocity, acceleration, at_end, only)
+   pure subroutine boundary_constrain(self, grid, coordinate, tile, velocity, acceleration, &
+      at_end, only)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: tile                    !! Its index
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       logical, intent(in), optional :: at_end        !! Velocities are those after the step
@@ -92,18 +97,19 @@ contains
             if (n /= only) cycle
          end if
          if (.not. self%wall(n)%condition%acts_on_nodes()) cycle
-         call wall_nodes(self, grid, coordinate, n, nodes, number)
+         call wall_nodes(self, grid, coordinate, n, nodes, number, tile)
          if (number > 0) call self%wall(n)%condition%constrain(self%wall(n)%face, &
             nodes(:number), lead, velocity, acceleration)
       end do
    end subroutine boundary_constrain
 
    !> Friction of boundaries on the nodes of a tile.
-   pure subroutine boundary_apply_friction(self, grid, coordinate, dt, pic, free, velocity, &
+   pure subroutine boundary_apply_friction(self, grid, coordinate, tile, dt, pic, free, velocity, &
       acceleration, only)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: tile                    !! Its index
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(in) :: pic                    !! Fraction of PIC in the transfer, 0 to 1
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
@@ -118,7 +124,7 @@ contains
             if (n /= only) cycle
          end if
          if (.not. self%wall(n)%condition%has_friction()) cycle
-         call wall_nodes(self, grid, coordinate, n, nodes, number)
+         call wall_nodes(self, grid, coordinate, n, nodes, number, tile)
          if (number > 0) call self%wall(n)%condition%apply_friction(self%wall(n)%face, &
             nodes(:number), dt, pic, free, velocity, acceleration)
       end do
@@ -126,10 +132,11 @@ contains
 
    !> Remove the normal velocity of nodes that walls with friction constrained in the step, unless
    !! they separate.
-   pure subroutine boundary_hold_pressed(self, grid, coordinate, ended, velocity)
+   pure subroutine boundary_hold_pressed(self, grid, coordinate, tile, ended, velocity)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: tile                    !! Its index
       real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Changed [m/s]
       integer :: nodes(grid%tile_nodes), number, n
@@ -137,7 +144,7 @@ contains
       if (.not. allocated(self%wall)) return
       do n = 1, size(self%wall)
          if (.not. self%wall(n)%condition%has_friction()) cycle
-         call wall_nodes(self, grid, coordinate, n, nodes, number)
+         call wall_nodes(self, grid, coordinate, n, nodes, number, tile)
          if (number > 0) call self%wall(n)%condition%hold_pressed(self%wall(n)%face, &
             nodes(:number), ended, velocity)
       end do
@@ -228,10 +235,11 @@ contains
    !> Fill minus 1 of nodes on closed boundaries, where it is less than the fill of the next node
    !! inwards. Such a difference is a gap between the boundary and the material that presses on it,
    !! not a free surface of the material.
-   pure subroutine boundary_see_gaps(self, grid, coordinate, noise, filled, around, excess)
+   pure subroutine boundary_see_gaps(self, grid, coordinate, tile, noise, filled, around, excess)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: tile                    !! Its index
       real(wp), intent(in) :: noise                  !! Fills that differ less from 1 count as 1 [1]
       real(wp), contiguous, intent(in) :: filled(:, :)    !! (1, node) Volume of particles [m3]
       real(wp), intent(in) :: around(:)              !! (node) Volume of the node [m3]
@@ -242,7 +250,7 @@ contains
       if (.not. allocated(self%wall)) return
       do wall = 1, size(self%wall)
          if (.not. self%wall(wall)%condition%is_closed()) cycle
-         call wall_nodes(self, grid, coordinate, wall, nodes, number)
+         call wall_nodes(self, grid, coordinate, wall, nodes, number, tile)
          associate (face => self%wall(wall)%face)
             do n = 1, number
                node = nodes(n)
@@ -258,24 +266,32 @@ contains
    end subroutine boundary_see_gaps
 
    !> The nodes of a tile, its margin included, on which a wall acts now.
-   pure subroutine wall_nodes(boundary, grid, coordinate, wall, nodes, number)
+   pure subroutine wall_nodes(boundary, grid, coordinate, wall, nodes, number, tile)
       type(boundary_t), intent(in) :: boundary
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: wall                    !! Index of the wall
       integer, intent(out) :: nodes(:)               !! The nodes; capacity for a tile
       integer, intent(out) :: number                 !! How many, 0 = none
+      integer, intent(in), optional :: tile          !! Its index: only nodes that are reached
       integer :: n, all
+      logical :: waits, divided
 
       number = 0
       if (.not. boundary%wall(wall)%acts) return
       associate (face => boundary%wall(wall)%face)
          call boundary_nodes(grid, coordinate, face, nodes, all)
-         number = all
-         if (all == 0 .or. .not. boundary%is_divided(face)) return
-         number = 0
+         divided = boundary%is_divided(face)
+         waits = .false.
+         if (present(tile) .and. allocated(boundary%reached)) waits = boundary%waits(grid, face) &
+            .and. boundary%wall(wall)%condition%waits()
          do n = 1, all
-            if (boundary%wall_at(face, node_place(grid, coordinate, nodes(n))) /= wall) cycle
+            if (waits) then
+               if (.not. btest(boundary%reached(nodes(n), tile), face - 1)) cycle
+            end if
+            if (divided) then
+               if (boundary%wall_at(face, node_place(grid, coordinate, nodes(n))) /= wall) cycle
+            end if
             number = number + 1
             nodes(number) = nodes(n)
          end do

@@ -29,6 +29,7 @@ module mesh_boundary_condition
       procedure, nopass :: joins_opposite => no    !! Is it joined to the opposite boundary?
       procedure, nopass :: mirrors => no           !! Is it a mirror plane?
       procedure, nopass :: moves => no             !! May it move as a boundary of the domain?
+      procedure, nopass :: waits => no             !! Does it act from the contact on?
       procedure, nopass :: slides => no            !! May material move along it?
       procedure, nopass :: has_friction => no      !! Does it resist that motion?
       procedure, nopass :: absorbs_waves => no     !! Does it add forces?

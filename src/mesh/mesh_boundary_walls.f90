@@ -3,6 +3,8 @@
 module mesh_boundary_walls
    use base_kinds, only: wp
    use mesh_boundary_catalogue, only: choose_boundary
+   use mesh_boundary_condition, only: normal_direction
+   use mesh_grid, only: grid_t
    use mesh_wall, only: wall_t
    implicit none
    private
@@ -31,6 +33,7 @@ module mesh_boundary_walls
       procedure :: is_periodic => walls_is_periodic !! Is it joined to the opposite boundary?
       procedure :: moves => walls_moves           !! Is a whole boundary a moving wall?
       procedure :: lets_out => walls_lets_out     !! Do particles leave at a position?
+      procedure :: waits => walls_waits           !! Does a boundary act from the contact on?
       procedure :: has_friction => walls_has_friction !! Has some boundary friction?
       procedure :: absorbs_waves => walls_absorbs_waves !! Does some boundary absorb waves?
       procedure :: acts_on => walls_acts_on       !! Does a boundary change node velocities?
@@ -254,4 +257,20 @@ contains
       if (n == 0) return
       acts = self%wall(n)%acts .and. self%wall(n)%condition%acts_on_nodes()
    end function walls_acts_on
+
+   !> True if a boundary acts from the time on at which material has reached it. The axis of an
+   !! axisymmetric scene is no wall: the radial velocity vanishes there in any case.
+   pure logical function walls_waits(self, grid, face) result(waits)
+      class(boundary_walls_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: face                    !! 1 to 6
+      integer :: n
+
+      waits = .false.
+      if (.not. allocated(self%wall) .or. (grid%axisymmetric .and. face == 1)) return
+      if (.not. grid%active(normal_direction(face))) return
+      do n = 1, size(self%wall)
+         if (self%wall(n)%face == face) waits = waits .or. self%wall(n)%condition%waits()
+      end do
+   end function walls_waits
 end module mesh_boundary_walls

@@ -258,11 +258,33 @@ contains
                      share*site_volume(grid, it, middle), store)
                   call set_size(0.5_wp*site_edge(grid, it), &
                      store%first(tile) + store%count(tile) - 1, store)
+                  if (allocated(store%touched) .and. share >= 1.0_wp) &
+                     store%touched(store%first(tile) + store%count(tile) - 1) = &
+                     boundaries_at(grid, middle, 0.5_wp*site_edge(grid, it))
                end do
             end do
          end do
       end associate
    end subroutine fill_tile
+
+   !> Boundaries of the domain on which a site lies, boundary n as bit n - 1. Displaced particles
+   !! belong to their sites.
+   pure integer(int64) function boundaries_at(grid, middle, half) result(bits)
+      type(grid_t), intent(in) :: grid
+      real(wp), intent(in) :: middle(3)               !! [m]
+      real(wp), intent(in) :: half(3)                 !! Half the edges of the site [m]
+      real(wp), parameter :: touch = 1.0e-6_wp        !! Rounding of positions, in cells
+      integer :: k
+
+      bits = 0
+      do k = 1, 3
+         if (.not. grid%active(k)) cycle
+         if (middle(k) - half(k) - grid%lower(k) <= touch*grid%spacing) &
+            bits = ibset(bits, 2*k - 2)
+         if (grid%upper(k) - middle(k) - half(k) <= touch*grid%spacing) &
+            bits = ibset(bits, 2*k - 1)
+      end do
+   end function boundaries_at
 
    !> Make the given particles of one body in one tile, as cubes of their volume.
    subroutine fill_given(grid, bodies, body, later, coordinate, tile, store)
@@ -309,6 +331,7 @@ contains
       store%count(tile) = store%count(tile) + 1
       store%identity(p) = identity
       if (allocated(store%body)) store%body(p) = body
+      if (allocated(store%touched)) store%touched(p) = 0
       store%home(p) = home
       store%position(p, :) = position
       store%velocity(p, :) = bodies(body)%velocity

@@ -23,6 +23,7 @@ module particle_store
    !> Fields that the method or the scene requests of all particles.
    type :: traits_t
       logical :: body = .false.                       !! Body of each particle
+      logical :: arrives = .false.                    !! Walls that it has reached
       logical :: extent = .false.                     !! Half the edges of its box
       logical :: stretching = .false.                 !! These follow the stretch of the material
       logical :: domain = .false.                     !! Half the edges of its parallelepiped
@@ -57,6 +58,8 @@ module particle_store
       real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation around it [1/s]
       !> (particle, 9) Half of the strain of the last step, applied before the move [1]
       real(wp), allocatable :: ahead(:, :)
+      !> 64 times the steps done when it was last near a wall that it has reached; bit n - 1 = wall n
+      integer(int64), allocatable :: touched(:)
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       type(origin_t) :: origin                        !! What is known of the start
       !> Rate at which the longest edge grows, from the strain of a step to its end only, else of
@@ -108,6 +111,7 @@ contains
       self%name = name
       allocate (self%identity(0), self%position(0, 3), self%velocity(0, 3), self%home(0))
       if (traits%body) allocate (self%body(0))
+      if (traits%arrives) allocate (self%touched(0))
       if (traits%extent) allocate (self%extent(0, 3))
       self%stretching = traits%extent .and. traits%stretching
       if (traits%splits) allocate (self%opening(0))
@@ -141,6 +145,7 @@ contains
 
       call worker%whole("identity", "1", self%identity)
       if (allocated(self%body)) call worker%whole("body", "1", self%body)
+      if (allocated(self%touched)) call worker%whole("touched", "1", self%touched)
       call worker%vector("position", "m", self%position)
       call worker%vector("velocity", "m/s", self%velocity)
       if (allocated(self%extent)) call worker%vector("extent", "m", self%extent)

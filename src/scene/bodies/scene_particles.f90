@@ -100,7 +100,8 @@ contains
       type(simulation_t), intent(inout) :: simulation
       logical, intent(in) :: several                 !! Are there several bodies?
       type(traits_t) :: traits
-      integer :: index, slots
+      logical :: waits(6)
+      integer :: index, slots, face
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)
       allocate (simulation%stores(size(simulation%materials)))
@@ -109,11 +110,12 @@ contains
          allocate (simulation%fields(1))
          simulation%fields(1)%last_store = size(simulation%stores)
       end if
+      waits = [(simulation%space%boundary%waits(simulation%space%grid, face), face=1, 6)]
       simulation%scheme%carries_energy = .false.
       simulation%scheme%loose = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
-            traits = traits_t(body=several)
+            traits = traits_t(body=several, arrives=any(waits))
             call simulation%scheme%method%request(traits, is_gas(simulation%materials(index)))
             call simulation%materials(index)%allocate_state(store%state)
             call store%start(store_name(simulation%materials, index), &

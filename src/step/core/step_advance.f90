@@ -31,6 +31,7 @@ module step_advance
    use step_tile_rotation, only: smooth_tile_rotation
    use step_time_step, only: finish_step
    use step_velocity_remap, only: remap_momentum
+   use step_wall_contact, only: find_reached_walls
    implicit none
    private
 
@@ -53,6 +54,7 @@ contains
          method => simulation%scheme%method, effects => simulation%effects, &
          clock => simulation%clock, machine => simulation%machine, scratch => simulation%scratch)
          if (allocated(effects%exact)) effects%exact%force_time = clock%time
+         call find_reached_walls(simulation)
          if (allocated(effects%loads)) call set_loads(effects%loads, &
             clock%time - method%lag(clock%dt), method%kick(clock%dt, dt))
          if (method%smooth_turn) call smooth_tile_rotation(space, stores, effects, machine)

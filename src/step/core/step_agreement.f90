@@ -19,6 +19,7 @@ module step_agreement
       real(wp) :: rate = 0.0_wp                      !! Steepest velocity gradient [1/s]
       real(wp) :: load_work = 0.0_wp !! Greatest work of loads on a particle in the step [J/kg]
       logical :: retired = .false.                   !! Have particles been removed?
+      logical :: approached = .false.                !! Are particles near walls not yet reached?
    contains
       procedure :: sound => extremes_sound           !! Are all values in their bounds?
    end type extremes_t
@@ -39,7 +40,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: began                  !! Begin of the step [s]
       type(extremes_t), intent(inout) :: extremes    !! Of this rank in, of all ranks out
-      real(wp) :: values(11)
+      real(wp) :: values(12)
       logical :: feeds
 
       if (simulation%machine%communicator%size == 1) return
@@ -52,7 +53,8 @@ contains
             simulation%clock%time, feeds)
          values = [extremes%fastest, requests%leave, requests%line, requests%checkpoint, &
             extremes%diffusivity, extremes%rate, flag(extremes%retired), requests%present, &
-            extremes%load_work, flag(leavers%renew), flag(feeds)]
+            extremes%load_work, flag(leavers%renew), flag(feeds), &
+            flag(extremes%approached)]
          call machine%timer%start(machine%phase%wait)
          if (leavers%sent) then
             call leavers%receive(machine%communicator, simulation%stores, values)
@@ -72,6 +74,7 @@ contains
          extremes%load_work = values(9)
          leavers%renew = values(10) > 0.0_wp
          leavers%further = values(11) > 0.0_wp
+         extremes%approached = values(12) > 0.0_wp
       end associate
    end subroutine agree_with_ranks
 

@@ -37,10 +37,11 @@ contains
 
    !> Fill of the nodes of a tile above 1, or below 1 where no surface is near, beyond the tolerance
    !! for noise. Equation (Y.31) of doc/theory/strength.md.
-   pure subroutine excess_fill(grid, boundary, coordinate, filled, counted, excess)
+   pure subroutine excess_fill(grid, boundary, coordinate, tile, filled, counted, excess)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Faces of the domain
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      integer, intent(in) :: tile                    !! Its index
       real(wp), contiguous, intent(in) :: filled(:, :)  !! (1, node) Volume of particles [m3]
       real(wp), contiguous, intent(in) :: counted(:, :) !! (1, node) Volume of full cells [m3]
       real(wp), allocatable, intent(out) :: excess(:, :) !! (1, node) Fill less 1 [1]
@@ -57,7 +58,7 @@ contains
             *(1.0_wp - counted(1, node)/around(node)))
          excess(1, node) = max(0.0_wp, fill - noise) + inside*min(0.0_wp, fill + noise)
       end do
-      call boundary%see_gaps(grid, coordinate, noise, filled, around, excess)
+      call boundary%see_gaps(grid, coordinate, tile, noise, filled, around, excess)
    end subroutine excess_fill
 
    !> Let the particles of a tile grow and shrink. The elastic energy that compressed particles lose

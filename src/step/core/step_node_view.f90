@@ -85,7 +85,7 @@ contains
       if (parts%strain) call find_steep(space, stores, scheme%method, clock, nodes%motion, view)
       if (.not. scheme%method%dual) return
       if (parts%motion .and. scheme%repacks) call excess_fill(space%grid, space%boundary, &
-         space%tiles%coordinate(:, tile), nodes%dual%filled(:, :, tile), &
+         space%tiles%coordinate(:, tile), tile, nodes%dual%filled(:, :, tile), &
          nodes%dual%volume(:, :, tile), view%excess)
       if (parts%strain .or. (parts%motion .and. scheme%method%transfer%affine())) &
          call node_gradient(space, nodes, tile, nodes%dual%gradient, view%gradient)

@@ -161,6 +161,10 @@ module step_simulation
       type(boundary_t) :: boundary                   !! Six boundaries of the domain
       type(rigid_t), allocatable :: rigid            !! Rigid regions that constrain nodes
       type(tiles_t) :: tiles                         !! Tiles of this rank
+      !> Patch (1), at the first node of a cell: boundaries that its particles have reached, as bits
+      real(wp), allocatable :: arrived(:, :, :)
+      !> May particles be near a wall that they have not reached?
+      logical :: approached = .true.
       type(halo_t) :: halo                           !! Tiles that other ranks need
       type(moving_cell_t), allocatable :: cell       !! Periodic cell, if it deforms
    contains

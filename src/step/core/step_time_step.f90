@@ -12,6 +12,7 @@ module step_time_step
    use step_offending_particle, only: name_offending_particle
    use step_remove_particles, only: check_retired
    use step_simulation, only: clock_t, scratch_t, simulation_t, space_t
+   use step_wall_contact, only: approaches_walls
    implicit none
    private
 
@@ -51,7 +52,9 @@ contains
             extremes%fastest = huge(1.0_wp)
          if (allocated(simulation%effects%conduction)) extremes%diffusivity = &
             greatest_diffusivity(simulation%materials, simulation%stores)
+         extremes%approached = approaches_walls(simulation)
          call agree_with_ranks(simulation, began, extremes)
+         simulation%space%approached = extremes%approached
          ! a bound on the work that any particle has received: (L.10) of doc/theory/ledger.md
          balance%trust%load_work = balance%trust%load_work + extremes%load_work
          if (.not. extremes%sound()) then

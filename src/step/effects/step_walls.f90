@@ -300,11 +300,12 @@ contains
          case (forcing)
             call boundary%add_forces(grid, coordinate, dt, velocity, acceleration, only)
          case (rubbing)
-            if (boundary%has_friction()) call boundary%apply_friction(grid, coordinate, &
+            if (boundary%has_friction()) call boundary%apply_friction(grid, coordinate, tile, &
                merge(dt, clock%dt, dt > 0.0_wp), 1.0_wp - method%transfer%flip_fraction(), free, &
                velocity, acceleration, only)
          case default
-            call boundary%constrain(grid, coordinate, velocity, acceleration, only=only)
+            call boundary%constrain(grid, coordinate, tile, velocity, acceleration, &
+               only=only)
          end select
       end associate
    end subroutine apply_boundary
@@ -386,7 +387,7 @@ contains
       if (.not. walls_touch(space, tile)) return
       ended = motion%velocity(:, :, tile) + clock%kick*motion%acceleration(:, :, tile)
       if (space%boundary%has_friction()) call space%boundary%hold_pressed(space%grid, &
-         space%tiles%coordinate(:, tile), ended, velocity)
+         space%tiles%coordinate(:, tile), tile, ended, velocity)
       if (allocated(space%rigid)) call space%rigid%keep(tile, ended, velocity)
    end subroutine hold_at_walls
 
@@ -398,8 +399,8 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :)   !! (3, node) [m/s2] or [m/s]
 
-      call space%boundary%constrain(space%grid, space%tiles%coordinate(:, tile), velocity, change, &
-         at_end=.true.)
+      call space%boundary%constrain(space%grid, space%tiles%coordinate(:, tile), tile, velocity, &
+         change, at_end=.true.)
       if (allocated(space%rigid)) call space%rigid%constrain(tile, velocity, change, at_end=.true.)
    end subroutine stop_at_walls
 
