@@ -54,7 +54,7 @@ contains
          method => simulation%scheme%method, effects => simulation%effects, &
          clock => simulation%clock, machine => simulation%machine, scratch => simulation%scratch)
          if (allocated(effects%exact)) effects%exact%force_time = clock%time
-         call find_reached_walls(simulation)
+         call find_reached_walls(simulation, dt)
          if (allocated(effects%loads)) call set_loads(effects%loads, &
             clock%time - method%lag(clock%dt), method%kick(clock%dt, dt))
          if (method%smooth_turn) call smooth_tile_rotation(space, stores, effects, machine)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Contact of material with boundaries of the domain. A wall acts on a node from the time on at
-!! which particles in the cells around it have reached the wall; (R.13) and (R.14) of
+!! which particles in the cells around it have reached the wall; (R.13) of
 !! doc/theory/rigid.md. The functions of the nodes reach further, so a wall without this test would
 !! stop material up to a cell before it arrives.
 module step_wall_contact
@@ -13,7 +13,7 @@ module step_wall_contact
    use mesh_tiles, only: neighbors, shift_to, tiles_t
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, space_t
    use step_tile_cost, only: start_cost, stop_cost
    implicit none
    private
@@ -26,6 +26,8 @@ module step_wall_contact
    !> Cells beside a reached one along the wall whose nodes are reached with it. Nodes at the edge of
    !! a contact have little mass; without the wall they would be pushed through it.
    integer, parameter :: beside = 1
+   !> Nearest that the middle of a particle comes to a wall before the wall acts, in half edges.
+   real(wp), parameter :: nearest = 0.25_wp
    integer(int64), parameter :: faces = 64           !! Marks of a particle are less
 
 contains
@@ -33,23 +35,24 @@ contains
    !> Mark the particles that have reached a wall, and find the nodes of walls around them. Nothing
    !! is exchanged between ranks, and walls act everywhere, while all particles next to walls have
    !! reached them.
-   subroutine find_reached_walls(simulation)
+   subroutine find_reached_walls(simulation, dt)
       type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(in) :: dt                     !! Time step [s]
       integer, allocatable :: tiles(:)
       integer :: part, n, tile
 
       associate (space => simulation%space, machine => simulation%machine)
          if (.not. walls_wait(simulation)) return
+         call machine%timer%start(machine%phase%scatter)
          call ensure_patch(space%arrived, 1, space%grid%tile_nodes, space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(space, machine%communicator, part, tiles)
-            !$omp parallel do default(none) shared(simulation, tiles) private(n, tile) &
+            !$omp parallel do default(none) shared(simulation, tiles, dt) private(n, tile) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
                tile = tiles(n)
                call start_cost(simulation%machine, tile)
-               call mark_particles(simulation%space%grid, simulation%space%boundary, &
-                  simulation%space%tiles%coordinate(:, tile), simulation%clock%step, tile, &
+               call mark_particles(simulation%space, simulation%clock%step, dt, tile, &
                   simulation%stores, simulation%space%arrived(:, :, tile))
                call stop_cost(simulation%machine, tile)
             end do
@@ -57,14 +60,15 @@ contains
             if (space%approached) call send_patches(space, machine, part, space%arrived)
          end do
          if (allocated(space%boundary%reached)) deallocate (space%boundary%reached)
-         if (.not. space%approached) return
-         allocate (space%boundary%reached(space%grid%tile_nodes, space%tiles%all))
+         if (space%approached) allocate (space%boundary%reached(space%grid%tile_nodes, &
+            space%tiles%all))
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%space%tiles%all
+         do tile = 1, merge(simulation%space%tiles%all, 0, simulation%space%approached)
             call find_reached_nodes(simulation%space%grid, simulation%space%tiles, &
                simulation%space%arrived, tile, simulation%space%boundary%reached(:, tile))
          end do
          !$omp end parallel do
+         call machine%timer%stop(machine%phase%scatter)
       end associate
    end subroutine find_reached_walls
 
@@ -78,34 +82,34 @@ contains
 
    !> Mark the particles of a tile that have reached a wall: those that touch it, those that had
    !! reached it and are still in the cells next to it, and all others in the same cell.
-   pure subroutine mark_particles(grid, boundary, coordinate, step, tile, stores, arrived)
-      type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary
-      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+   pure subroutine mark_particles(space, step, dt, tile, stores, arrived)
+      type(space_t), intent(in) :: space
       integer(int64), intent(in) :: step             !! Steps done
-      integer, intent(in) :: tile                    !! Its index
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer, intent(in) :: tile
       type(store_t), intent(inout) :: stores(:)
       real(wp), contiguous, intent(inout) :: arrived(:, :) !! (1, node) At first nodes of cells
       integer(int64) :: marks
       integer :: cell, index, p, layer(6)
+      integer, parameter :: normal(6) = [1, 1, 2, 2, 3, 3]
       logical :: near(6), here(6)
 
       call clear_patch(arrived)
-      call find_layers(grid, boundary, coordinate, near, layer)
+      call find_layers(space%grid, space%boundary, space%tiles%coordinate(:, tile), near, layer)
       if (.not. any(near)) return
-      do cell = 0, grid%tile_cells - 1
-         here = near .and. layer == grid%cell_position(normal_direction([1, 2, 3, 4, 5, 6]), cell)
+      do cell = 0, space%grid%tile_cells - 1
+         here = near .and. layer == space%grid%cell_position(normal, cell)
          if (.not. any(here)) cycle
          marks = 0
          do index = 1, size(stores)
             associate (store => stores(index), at => stores(index)%first(tile) - 1)
                do p = at + store%cell_start(cell, tile) + 1, at + store%cell_start(cell + 1, tile)
-                  marks = ior(marks, marks_of(grid, here, step, store, p))
+                  marks = ior(marks, marks_of(space%grid, here, step, dt, store, p))
                end do
             end associate
          end do
          if (marks == 0) cycle
-         arrived(1, grid%first_node(cell)) = real(marks, wp)
+         arrived(1, space%grid%first_node(cell)) = real(marks, wp)
          do index = 1, size(stores)
             associate (store => stores(index), at => stores(index)%first(tile) - 1)
                do p = at + store%cell_start(cell, tile) + 1, at + store%cell_start(cell + 1, tile)
@@ -136,14 +140,15 @@ contains
    end subroutine find_layers
 
    !> Marks of a particle at walls next to its cell; (R.13) of doc/theory/rigid.md.
-   pure integer(int64) function marks_of(grid, near, step, store, p) result(marks)
+   pure integer(int64) function marks_of(grid, near, step, dt, store, p) result(marks)
       type(grid_t), intent(in) :: grid
       logical, intent(in) :: near(6)                 !! (face) Is its cell next to the wall?
       integer(int64), intent(in) :: step             !! Steps done
+      real(wp), intent(in) :: dt                     !! Time step [s]
       type(store_t), intent(in) :: store
       integer, intent(in) :: p                       !! Particle
-      real(wp) :: half
-      integer :: face
+      real(wp) :: half, way
+      integer :: face, k
 
       marks = 0
       if (store%touched(p)/faces == step) marks = mod(store%touched(p), faces)
@@ -153,10 +158,12 @@ contains
       do face = 1, 6
          if (.not. near(face)) then
             marks = ibclr(marks, face - 1)
-         else if (distance(grid, face, store%position(p, normal_direction(face))) &
-            <= half + touch*grid%spacing) then
-            marks = ibset(marks, face - 1)
+            cycle
          end if
+         k = normal_direction(face)
+         way = max(0.0_wp, -inward_sign(face)*store%velocity(p, k)*dt)
+         if (distance(grid, face, store%position(p, k)) <= touch*grid%spacing &
+            + max(half + 0.5_wp*way, nearest*half + way)) marks = ibset(marks, face - 1)
       end do
    end function marks_of
 
