@@ -13,10 +13,12 @@ same in incompressible oil. Choice of the constants: the bulk modulus is 100 tim
 the sphere, so that its pressure compresses the oil by 1 %; `antilock = 'bbar'`, because oil keeps its volume, three
 points across a cell. A speed is a mean over 0.05 s. Nothing was fitted to settling. At Re 31.9 with 5 cells on the
 radius the speed is 119 mm/s; a cylinder of 50 mm, the half width of the tank, gives 118, four times the modulus 116,
-four points 117, two points 122, and 101 without `antilock`. At Re 1.5 the cylinder of 50 mm gives 32.3 mm/s. With two
-points across a cell the speed rises with refinement, at Re 31.9 beyond 130 mm/s with 7 and 10 cells, and at Re 1.5 it
-rises while the sphere falls. Incompressible computations cited in the repository, by the lattice Boltzmann method of
-the paper and by finite elements, give ratios of 0.89 to 0.90 at Re 1.5 and 0.94 to 0.96 at the others.
+four points 117, two points 122, and 101 without `antilock`. At Re 1.5 the cylinder of 50 mm gives 32.3 mm/s. Three
+points across a cell were chosen after runs with two, whose speed rises with refinement, at Re 31.9 beyond 130 mm/s
+with 7 and 10 cells, and at Re 1.5 while the sphere falls, so that the number of points limits them. The speed still
+rises with the cells, and more than 8 were not run. Incompressible computations cited in the repository, by the lattice
+Boltzmann method of the paper and by finite elements, give ratios of 0.89 to 0.90 at Re 1.5 and 0.94 to 0.96 at the
+others.
 """
 import numpy as np
 
