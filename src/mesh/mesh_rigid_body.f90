@@ -27,6 +27,7 @@ module mesh_rigid_body
       real(wp) :: mass = 0.0_wp                      !! [kg]
       real(wp) :: inertia(3, 3) = 0.0_wp             !! In its own frame, about its centre [kg m2]
       real(wp) :: mobility(3, 3) = 0.0_wp            !! Inverse of the inertia [1/(kg m2)]
+      real(wp) :: force(3) = 0.0_wp                  !! External, besides gravity [N]
       real(wp) :: home(3) = 0.0_wp                   !! Centre at the start [m]
       real(wp) :: radius = huge(1.0_wp)              !! Distance of its farthest point [m]
       real(wp) :: centre(3) = 0.0_wp                 !! Centre of mass, or point of the axis [m]
@@ -43,7 +44,7 @@ module mesh_rigid_body
       real(wp) :: impulse(3) = 0.0_wp                !! Of the material, since the start [N s]
       real(wp) :: moment(3) = 0.0_wp                 !! About the centre, since the start [N m s]
       real(wp) :: work = 0.0_wp                      !! Of the material, since the start [J]
-      real(wp) :: weight_work = 0.0_wp               !! Of gravity, since the start [J]
+      real(wp) :: weight_work = 0.0_wp               !! Of gravity and the external force [J]
    contains
       procedure :: responds => body_responds         !! Do forces change its motion?
       procedure :: begin => body_begin               !! At the start of a run
@@ -142,7 +143,7 @@ contains
       class(rigid_body_t), intent(inout) :: self
       real(wp), intent(in) :: impulse(3)             !! Of the material [N s]
       real(wp), intent(in) :: moment(3)              !! Its moment about the centre [N m s]
-      real(wp), intent(in) :: weight(3)              !! Impulse of gravity [N s]
+      real(wp), intent(in) :: weight(3)              !! Of gravity and the force [N s]
       real(wp), intent(out) :: support(3)            !! Impulse of the support [N s]
       real(wp), intent(out) :: given                 !! Work of all three, and of the next [J]
       real(wp), intent(out) :: hold(3)               !! Moment of the support [N m s]

@@ -197,6 +197,8 @@ ORPHANS = [
      "&boundary: give mass or density, not both"),
     ("plain", "&time", "&boundary region = 'ball' type = 'stick' lock = 'x' /\n&time", 3,
      "&boundary: forces move only a region with mass or density; give one of them, or remove lock"),
+    ("plain", "&time", "&boundary region = 'ball' type = 'stick' force = 1 0 0 /\n&time", 3,
+     "&boundary: forces move only a region with mass or density; give one of them, or remove force"),
     ("plain", "&time", "&boundary region = 'ball' type = 'stick' mass = 2 inertia = 1 1 1 0 0 0 /\n&time", 3,
      "&boundary: the inertia of a region that forces move belongs to a centre: give mass, inertia and centre"),
     ("plain", "&time", "&boundary region = 'ball' type = 'stick' mass = 2 t_on = 1e-5 /\n&time", 3,

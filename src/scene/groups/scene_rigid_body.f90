@@ -23,8 +23,8 @@ module scene_rigid_body
 
    integer, parameter :: points(3) = [10000, 1000, 100] !! Of the lattice along each direction
    real(wp), parameter :: far = 1.0e29_wp            !! Bounds beyond this are infinite [m]
-   character(len=7), parameter :: keys(6) = [character(len=7) :: "mass", "density", "inertia", &
-      "centre", "spin", "lock"]                      !! All of this module
+   character(len=7), parameter :: keys(7) = [character(len=7) :: "mass", "density", "inertia", &
+      "centre", "spin", "lock", "force"]                      !! All of this module
 
    !> Sums over the points of a lattice in a shape, for a density of 1.
    type :: moments_t
@@ -57,7 +57,10 @@ contains
          owner=owner)
       call schema%text("boundary", "lock(:4)", "directions in which forces do not move the "// &
          "region: x, y, z; spin: torques do not turn it", words="x y z spin", owner=owner)
-      call schema%forbid_change("boundary", "mass density inertia centre spin lock", &
+      call schema%real("boundary", "force(3)", "constant external force on a region that "// &
+         "forces move, besides gravity; in a plane that on the thickness of the grid, in "// &
+         "axisymmetry that on the whole ring", unit="N", default="0 0 0", owner=owner)
+      call schema%forbid_change("boundary", "mass density inertia centre spin lock force", &
          "the motion of a rigid region since the start is that of these values", without="face")
    end subroutine declare_rigid_body
 
@@ -86,10 +89,12 @@ contains
          call deck%add_error(boundary, "the inertia of a region that forces move belongs to a "// &
          "centre: give mass, inertia and centre together, or remove inertia and centre [D370]", &
          "inertia")
-      given = deck%departs(boundary, "lock")
-      if (given .and. .not. free) call deck%add_error(boundary, &
-         "forces move only a region with mass or density; give one of them, or remove lock "// &
-         "[D370]", "lock")
+      do n = 6, size(keys)
+         given = deck%departs(boundary, trim(keys(n)))
+         if (given .and. .not. free) call deck%add_error(boundary, &
+            "forces move only a region with mass or density; give one of them, or remove "// &
+            trim(keys(n))//" [D370]", trim(keys(n)))
+      end do
       if (deck%departs(boundary, "t_on")) call deck%add_error(boundary, "a region that turns, "// &
          "or that forces move, acts from the start; remove t_on [D371]", "t_on")
       given = deck%departs(boundary, "table")
@@ -169,6 +174,7 @@ contains
       else
          call group%get("mass", body%mass)
       end if
+      call group%get("force", body%force)
       call group%list("lock", locks)
       body%free = grid%active
       if (grid%axisymmetric) body%free(1) = .false.

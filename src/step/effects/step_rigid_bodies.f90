@@ -81,8 +81,8 @@ contains
       do n = 1, size(simulation%fields)
          call find_free_tiles(simulation, simulation%fields(n), kick, tiles)
       end do
+      call guess(simulation, kick)
       associate (rigid => simulation%space%rigid)
-         call guess(rigid, weight_of(simulation, kick))
          allocate (before(size(rigid%wall)), best(size(rigid%wall)))
          least = huge(least)
          do round = 1, rounds
@@ -91,7 +91,8 @@ contains
             do n = 1, size(rigid%wall)
                if (.not. allocated(rigid%wall(n)%body)) cycle
                before(n) = rigid%wall(n)%body
-               call improve(rigid%wall(n)%body, values(:, n), weight_of(simulation, kick), &
+               call improve(rigid%wall(n)%body, values(:, n), &
+                  gain_of(simulation, rigid%wall(n)%body, kick), &
                   merge(1.0_wp, 0.5_wp, round <= patient), change)
             end do
             if (.not. change > converged) return
@@ -108,25 +109,29 @@ contains
       end associate
    end subroutine solve_bodies
 
-   !> Velocity that gravity gives in the step [m/s].
-   pure function weight_of(simulation, kick) result(gain)
+   !> Velocity that gravity and the external force on a body give it in the step [m/s].
+   pure function gain_of(simulation, body, kick) result(gain)
       type(simulation_t), intent(in) :: simulation
+      type(rigid_body_t), intent(in) :: body
       real(wp), intent(in) :: kick                   !! Time that the forces act [s]
       real(wp) :: gain(3)
 
       gain = 0.0_wp
       if (allocated(simulation%effects%gravity)) gain = kick*simulation%effects%gravity
-   end function weight_of
+      if (body%mass > 0.0_wp) gain = gain + kick/body%mass*body%force
+   end function gain_of
 
-   !> Velocities after the step of bodies on which only gravity acts.
-   pure subroutine guess(rigid, gain)
-      type(rigid_t), intent(inout) :: rigid
-      real(wp), intent(in) :: gain(3)                !! By gravity [m/s]
+   !> Velocities after the step of bodies on which only gravity and their external force act.
+   pure subroutine guess(simulation, kick)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(in) :: kick                   !! Time that the forces act [s]
+      real(wp) :: gain(3)
       integer :: n
 
-      do n = 1, size(rigid%wall)
-         if (.not. allocated(rigid%wall(n)%body)) cycle
-         associate (body => rigid%wall(n)%body)
+      do n = 1, size(simulation%space%rigid%wall)
+         if (.not. allocated(simulation%space%rigid%wall(n)%body)) cycle
+         gain = gain_of(simulation, simulation%space%rigid%wall(n)%body, kick)
+         associate (body => simulation%space%rigid%wall(n)%body)
             where (body%free) body%velocity_end = body%velocity + gain
             body%spin_end = body%spin
          end associate
@@ -327,7 +332,7 @@ contains
    pure subroutine improve(body, values, gain, damping, change)
       type(rigid_body_t), intent(inout) :: body
       real(wp), intent(in) :: values(:)              !! (term) Impulses and derivatives
-      real(wp), intent(in) :: gain(3)                !! By gravity [m/s]
+      real(wp), intent(in) :: gain(3)                !! By gravity and force [m/s]
       real(wp), intent(in) :: damping                !! Part of the change that is made
       real(wp), intent(inout) :: change              !! Greatest relative change of all bodies
       real(wp) :: matrix(unknowns, unknowns), missing(unknowns), inertia(3, 3), scale
@@ -390,7 +395,7 @@ contains
             first = body_entries*(n - 1)
             associate (body => rigid%wall(n)%body, push => -values(first + 1:first + 3), &
                moment => -values(first + 4:first + 6))
-               weight = body%mass*weight_of(simulation, kick)
+               weight = body%mass*gain_of(simulation, body, kick)
                call body%receive(push, moment, weight, support, work, hold)
                if (communicator%rank == 0 .and. body%mass > 0.0_wp) call ledger%record_impulse( &
                   push + weight + support, cross(body%centre, push + weight + support) &

@@ -336,7 +336,8 @@ contains
          do n = 1, size(space%rigid%wall)
             square = max(square, greatest_motion(space%rigid%wall(n)%motion)**2)
             if (allocated(space%rigid%wall(n)%body)) square = max(square, &
-               first_speed(space%rigid%wall(n)%body, space%grid)**2)
+               first_speed(space%rigid%wall(n)%body, space%grid)**2, &
+               pushed_square(space%rigid%wall(n)%body, space%grid))
          end do
       end if
       associate (whole => ledger%start%entry(mass))
@@ -354,6 +355,16 @@ contains
       speed = norm2(body%first_velocity) + norm2(body%first_spin)*min(body%radius, &
          norm2(max(abs(grid%upper - body%home), abs(grid%lower - body%home))))
    end function first_speed
+
+   !> Square of the greatest speed that its external force can give a rigid body [m2/s2].
+   pure real(wp) function pushed_square(body, grid) result(square)
+      type(rigid_body_t), intent(in) :: body
+      type(grid_t), intent(in) :: grid
+
+      square = 0.0_wp
+      if (body%mass > 0.0_wp) square = 2.0_wp/body%mass*sum(abs(body%force)*(grid%upper &
+         - grid%lower), mask=body%free)
+   end function pushed_square
 
    !> Greatest speed of a wall, or more [m/s].
    pure real(wp) function greatest_motion(motion) result(speed)

@@ -163,6 +163,32 @@ def test_free_flight(options, sheet):
     sheet.below("flight: rotation", np.abs(table["ram_turn_y"] - np.sin(1.5 * time)).max(), 1.0e-9)
 
 
+def test_force(options, sheet):
+    """Would catch a force that is missing, divided by the wrong mass, or not in the work and the balances.
+
+    A body without gravity moves as its force says, then pushes the block with it: the force is minus its weight.
+    Velocities are those of half steps, so work and way differ by a step, 1/200 of the time.
+    """
+    words = "type='slip'  density=500  force=0,0,{force}"
+    for name, start, end in (("free", "0.5,1.05 /", 0.08), ("pressed", "0.5,0.7 /", 0.2)):
+        deck = RAM.format(words=words.format(force=-500.0 * 0.42 * 0.2 * 9.81), dimension="plane_strain", low=0, high=1,
+                          dx=0.05, turn="0,0,0", middle=0.5, spin="0,0,0", storing=STORING)
+        deck = deck.replace("0.5,0.7 /", start).replace("velocity=0,0,-1", "velocity=0,0,0")
+        deck = deck.replace("t_end=0.2", f"t_end={end}")
+        deck = deck.replace("gravity=.true.  gravity_vector=0,0,-9.81", "damping=0")
+        run, table = run_of(options, "force_" + name, deck)
+        books(sheet, f"force, {name}", run, 1.0e-12)
+        time, gain = table["time"], table["ram_kinetic"][-1] - table["ram_work"][-1]
+        sheet.near(f"force, {name}: its work over force and way", table["ram_weight_work"][-1]
+                   / (-500.0 * 0.42 * 0.2 * 9.81 * (table["ram_z"][-1] - table["ram_z"][0])), 1.0, 1.0e-2)
+        sheet.near(f"force, {name}: its work over the other energy", table["ram_weight_work"][-1] / gain, 1.0, 1.0e-9)
+        if name == "free":
+            sheet.below("force, free: height against the parabola [m]",
+                        np.abs(table["ram_z"] - 1.05 + 0.5 * 9.81 * time**2).max(), 2.0e-5)
+        else:
+            sheet.above("force, pressed: the block pushes back [N]", table["ram_force_z"].max(), 100.0)
+
+
 def test_piston(options, sheet):
     """A piston rests on gas and oscillates: x tan x = mass of the gas over that of the piston, for waves in the gas."""
     run, table = run_of(options, "piston", PISTON, 1000)
