@@ -14,7 +14,7 @@ module io_raster
 
    integer, parameter :: shown = 40                  !! Characters of a wrong word in a message
    real(wp), parameter :: limit = 1.0e30_wp          !! Of lengths; ratios of lengths stay finite
-   real(wp), parameter :: same = 1.0e-6_wp           !! Difference of two texts of one number [1]
+   real(wp), parameter :: same = 1.0e-5_wp           !! Difference of two texts of one number [1]
    integer(int64), parameter :: most_cells = 2_int64**28 !! Cells of a raster
    integer, parameter :: is_columns = 1, is_rows = 2, is_x = 3, is_y = 4, is_edge = 5, is_void = 6
    character(len=12), parameter :: keys(8) = [character(len=12) :: "ncols", "nrows", "xllcorner", &
@@ -102,9 +102,10 @@ contains
          word = lower(text(scanner%first:scanner%last))
          if (verify(word(:min(len(word), 1)), "abcdefghijklmnopqrstuvwxyz") > 0) return
          if (word == "" .or. word == "nan") return
-         key = findloc(keys, word, 1)
-         if (len(word) > len(keys)) key = 0
-         if (key == 0) then
+         do key = 1, size(keys)
+            if (keys(key) == word) exit
+         end do
+         if (key > size(keys)) then
             fault = "line "//number(scanner%line)//": '"//shortened(word, shown)//"' is no key "// &
                "of an ESRI ASCII grid, which has ncols, nrows, xllcorner or xllcenter, "// &
                "yllcorner or yllcenter, cellsize and nodata_value"

@@ -35,9 +35,9 @@ contains
       logical :: sound(2)
 
       if (grid%dimensions == 1) call deck%add_error(group, "a 1-D scene has no surface; use a "// &
-         "box [D516]", "shape")
+         "box [D378]", "shape")
       if (grid%dimensions == 3 .and. group%given("section")) call deck%add_error(group, &
-         "section is the y of the profile of a plane scene; remove it [D516]", "section")
+         "section is the y of the profile of a plane scene; remove it [D378]", "section")
       call read_one(communicator, deck, grid, group, "file", ground, sound(1))
       sound(2) = .true.
       if (group%given("thickness_file")) &
@@ -108,14 +108,14 @@ contains
          call group%get("section", y)
          sound = y >= raster%corner(2) .and. y <= upper(2)
          if (.not. sound) call deck%add_error(group, "section must be within the raster, which "// &
-            "has y = "//range_text(deck, raster, raster%corner(2), upper(2))//" [D516]", key)
+            "has y = "//range_text(deck, raster, raster%corner(2), upper(2))//" [D378]", key)
       else
          y = 0.5_wp*(raster%corner(2) + upper(2))
          sound = size(raster%value, 2) == 1
          if (.not. sound) call deck%add_error(group, "a plane scene needs one row of heights, "// &
             "and the raster has "//number(size(raster%value, 2))//"; write section = the y of "// &
             "the profile, from "//range_text(deck, raster, raster%corner(2), upper(2))// &
-            " [D516]", key)
+            " [D378]", key)
       end if
       if (sound) raster = row_of_raster(raster, y)
    end subroutine take_profile
@@ -205,7 +205,7 @@ contains
       end do
       if (lacks /= "") call deck%add_error(group, "the raster has"//has(5:)//", but the grid "// &
          "needs"//needs(5:)//" of it: there is no ground at "//lacks(3:)//"; shift it with "// &
-         "translate, take a larger raster or a smaller grid [D513]", "file")
+         "translate, take a larger raster or a smaller grid [D452]", "file")
    end subroutine check_cover
 
    !> A surface that is above or below the whole grid is an error.
@@ -219,12 +219,12 @@ contains
       call ground%extremes(low(:2), high(:2), least, greatest)
       if (least > greatest) then
          call deck%add_error(group, "all cells of the raster in the grid are without data "// &
-            "[D513]", "file")
+            "[D452]", "file")
       else if (least >= high(3) .or. greatest <= low(3)) then
          call deck%add_error(group, "the heights in the grid, "//range_text(deck, ground, least, &
             greatest)//", are all "//trim(merge("above", "below", least >= high(3)))//" it: it "// &
             "has z = "//range_text(deck, ground, low(3), high(3))//" of the raster; shift it "// &
-            "with translate [D514]", "file")
+            "with translate [D453]", "file")
       end if
    end subroutine check_heights
 
@@ -256,10 +256,10 @@ contains
          "first in row "//number(size(ground%value, 2) + 1 - first(2))//", column "// &
          number(first(1))//" at x = "//place_text(deck, ground, place(1))//", y = "// &
          place_text(deck, ground, place(2))//": there is no ground around them, and material "// &
-         "falls through; fill them [D515]", "file")
+         "falls through; fill them [D454]", "file")
    end subroutine warn_of_gaps
 
-   !> A layer on cells that have no ground is an error.
+   !> A layer without material, or on cells that have no ground, is an error.
    subroutine check_layer(deck, group, terrain)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
@@ -271,6 +271,8 @@ contains
       bare = 0
       first = 0.0_wp
       associate (layer => terrain%layer)
+         if (.not. any(layer%value > 0.0_wp)) call deck%add_error(group, "no cell has a "// &
+            "thickness above 0 [D452]", "thickness_file")
          do j = 1, size(layer%value, 2)
             do i = 1, size(layer%value, 1)
                if (.not. layer%value(i, j) > 0.0_wp) cycle
@@ -283,7 +285,7 @@ contains
          end do
          if (bare > 0) call deck%add_error(group, number(bare)//" cells with a thickness have "// &
             "no ground, the first at x = "//place_text(deck, layer, first(1))//", y = "// &
-            place_text(deck, layer, first(2))//"; both rasters must have the same origin [D513]", &
+            place_text(deck, layer, first(2))//"; both rasters must have the same origin [D452]", &
             "thickness_file")
       end associate
    end subroutine check_layer
