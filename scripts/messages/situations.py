@@ -173,7 +173,7 @@ SCAN = STONE.replace("shape = 'stl'  file = 'stone.stl'",
 TERRAIN_PAGE = "../guide/shapes.md#terrain-shape--terrain"
 SLOPE = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 1 1 1  dx = 0.125 /
-&time t_end = 1e-5 /
+&time t_end = 0.1 /
 &material name = 'sand'  density = 1500  bulk = 1e7  shear = 5e6 /
 &region name = 'slope'  shape = 'terrain'  file = 'slope.asc' /
 &region name = 'block'  shape = 'box'  lo = 0 0 0.5  hi = 1 1 1 /

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Regions below a raster of heights: bodies and layers of known volume, walls, and broken files.
 
-Would catch heights in the wrong rows, a layer that does not lie on the ground, a wall whose surface or normal is that of
-the cells of the raster and not of the interpolated surface, ranks with different ground, and a raster that does not fit
-the grid but is accepted.
+Would catch heights in the wrong rows, a layer that does not lie on the ground, a wall whose surface or normal is that
+of the cells of the raster and not of the interpolated surface, ranks with different ground, and a raster that does not
+fit the grid but is accepted.
 """
+
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -20,7 +23,8 @@ PIECE = HEAD + """&region name = 'piece'  shape = 'terrain'  {keys} /
 &body name = 'one'  region = 'piece'  material = 'sand'  packing = 'cut' /
 """
 # The block is above a slope of tangent 0.47 (the normal of the half-space), which has no node on its surface.
-SLIDE = HEAD.replace("poisson = 0.25", "poisson = 0.25  strength_model = 'drucker_prager'  friction_angle = 35") + """
+SLIDE = HEAD.replace(
+    "0.25 /", "0.25  strength_model = 'drucker_prager'  friction_angle = 35  cohesion = 1e5 /") + """
 &effects gravity = .true. /
 &boundary face = 'ylo'  type = 'slip' /
 &boundary face = 'yhi'  type = 'slip' /
@@ -96,19 +100,19 @@ def slide(options, name, slope, friction, files=None, ranks=1):
 
 @pytest.mark.parametrize("friction", [0.0, 0.25])
 def test_slides_as_on_a_plane(options, sheet, friction):
-    """On the raster of a plane a block moves as on the half-space, to the rounding of the surfaces, and with the
-    acceleration of Coulomb's law; on two ranks with the same bits."""
+    """On the raster of a plane a block moves as on the half-space, and with the acceleration of Coulomb's law; on two
+    ranks with the same bits. The normals are found to 1e-9; where friction begins or ends, the difference grows."""
     x, _ = middles((16, 2), 0.1)
     files = {"a.asc": grid_text(TOP - SLOPE * x, 0.1)}
     plane = slide(options, "plane", f"shape = 'halfspace'  centre = 0 0 {TOP}  normal = {SLOPE} 0 1", friction)
     raster = slide(options, "raster", "shape = 'terrain'  file = 'a.asc'", friction, files)
     wanted, found = ([run.history[f"momentum_{axis}"][-1] for axis in "xz"] for run in (plane, raster))
     weight = mass_of(raster) * 9.80665
-    sheet.below("difference of momenta", float(np.abs(np.subtract(found, wanted)).max()) / weight, 1.0e-8)
+    sheet.below("difference of momenta", float(np.abs(np.subtract(found, wanted)).max()) / weight, 1.0e-5)
     angle = np.arctan(SLOPE)
     speed = np.hypot(*found) / mass_of(raster) / 0.2
     exact = 9.80665 * (np.sin(angle) - friction * np.cos(angle))
-    sheet.below("error of the acceleration", abs(speed / exact - 1), 0.1)
+    sheet.below("error of the acceleration", abs(speed / exact - 1), 0.02)
     if friction:
         other = slide(options, "ranks", "shape = 'terrain'  file = 'a.asc'", friction, files, 2)
         assert other.summary["digest"] == raster.summary["digest"]
@@ -138,7 +142,7 @@ def test_wrong_input(options, sheet):
             ("edge", {"a.asc": good.replace("cellsize 0.25", "cellsize 0")}, "", "cellsize = 0.0 must be above 0"),
             ("small", {"a.asc": good.replace("cellsize 0.25", "cellsize 0.2")}, "",
              "there is no ground at x = 1.6 to 2, y = 1.6 to 2"),
-            ("empty", {"a.asc": good.replace("1.0", "-9999")}, "", "all cells of the raster in the grid are without data"),
+            ("empty", {"a.asc": good.replace("1.0", "-9999")}, "", "cells of the raster in the grid are without data"),
             ("high", {"a.asc": good.replace("1.0", "1500")}, "", "are all above it: it has z = 0 to 2 of the raster"),
             ("centre", {"a.asc": good}, "rotate_about = 'centre'", "a terrain has no centre to rotate about"),
             ("layer", {"a.asc": good}, layer, "b.asc': No such file"),
@@ -161,3 +165,33 @@ def test_missing_cells_are_told(options):
     assert "1 cells of the raster in the grid have no data, the first in row 6, column 6 at x = 1.375, y = 0.625" \
         in run.path(".log").read_text(encoding="utf-8")
     assert abs(mass_of(run) / (1000 * (4 - 0.25)) - 1) < 1.0e-6
+
+
+def test_geotiff(options):
+    """A GeoTIFF becomes the means of a crop, cells without data stay so, and degrees are refused."""
+    rasterio = pytest.importorskip("rasterio")
+    from rasterio.transform import from_origin
+    x, y = middles((40, 30), 2.0)
+    heights = (1000 + 0.5 * x + 0.25 * y).astype("f4")
+    heights[:4, :4] = -32768
+    path = options.work / "dem.tif"
+    profile = {"driver": "GTiff", "width": 40, "height": 30, "count": 1, "dtype": "float32", "nodata": -32768}
+    for code, expect in ((25832, 0), (4326, 2)):
+        with rasterio.open(path, "w", crs=rasterio.CRS.from_epsg(code), transform=from_origin(700000, 60, 2, 2),
+                           **profile) as target:
+            target.write(heights[::-1], 1)
+        words = [sys.executable, "-m", "scree_post", "terrain", str(path), "--crop", "700000", "0", "700048", "40",
+                 "--cell", "4", "--out", str(options.work / "dem.asc")]
+        answer = subprocess.run(words, capture_output=True, text=True, check=False)
+        assert answer.returncode == expect, answer.stderr
+        assert ("gdalwarp" if expect else "translate = -700000 0 -1003") in answer.stdout + answer.stderr
+    lines = (options.work / "dem.asc").read_text().splitlines()
+    found = np.loadtxt(lines[6:])[::-1]
+    x, y = middles((12, 10), 4.0)
+    wanted = 1000 + 0.5 * x + 0.25 * y
+    wanted[:2, :2] = -9999
+    assert np.allclose(found, wanted, atol=1e-3)
+    run = run_of(options, "map", PIECE.format(**{**SCENE, "size": "40 32 40", "dx": 4},
+                                              keys="file = 'a.asc'  translate = -700000 0 -990"),
+                 {"a.asc": "\n".join(lines)}, flags=("--check",))
+    assert "4 cells of the raster in the grid have no data, the first in row 9, column 1" in run.output
