@@ -72,7 +72,7 @@ def draw(runs, plot):
         speed = np.linalg.norm(snap.fields["velocity"], axis=1)[order]
         lines = axes.contour(east, north, heights, levels=np.arange(0, 130, 10), colors="0.6", linewidths=0.7)
         axes.clabel(lines, fontsize=7)
-        shown = axes.scatter(snap.points[order, 0], snap.points[order, 1], c=speed, s=5, cmap="viridis", vmin=0, vmax=15)
+        shown = axes.scatter(snap.points[order, 0], snap.points[order, 1], c=speed, s=5, vmin=0, vmax=15)
         axes.add_patch(plot.Rectangle(BARRIER[:2], *BARRIER[2:], facecolor="#d55e00", alpha=0.7))
         axes.set(aspect="equal", xlim=(0, 360), ylim=(-60, 60), title=f"{snap.time:.0f} s", xlabel="x [m]",
                  ylabel="y [m]")

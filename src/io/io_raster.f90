@@ -31,7 +31,7 @@ module io_raster
    type :: header_t
       real(wp) :: value(6) = 0.0_wp                  !! In the order of the first keys
       logical :: given(6) = .false.                  !! Is it in the file?
-      logical :: middle(2) = .false.                 !! Is the position that of the middle of a cell?
+      logical :: middle(2) = .false.                 !! Is the position that of the middle?
    end type header_t
 
 contains
@@ -244,8 +244,8 @@ contains
       else if (void > no_data .and. abs(value - void) <= same*abs(void)) then
          value = no_data
       else if (abs(value) > limit) then
-         fault = shortened(word, shown)//" is out of range; if it is the value of cells without "// &
-            "data, write it as nodata_value into the header"
+         fault = shortened(word, shown)//" is out of range; if it is the value of cells "// &
+            "without data, write it as nodata_value into the header"
       end if
    end subroutine read_value
 end module io_raster

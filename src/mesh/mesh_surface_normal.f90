@@ -28,14 +28,14 @@ contains
 
    !> Outward normal of the surface nearest to a position that touches the walls. Rays in all
    !! directions give a first estimate, the mean of the shortest exits; the slopes of the surface
-   !! where this normal crosses it improve it. On one closed face of a domain of three dimensions the
-   !! caller needs the part along this face: the search stays on the face, because beyond it there
-   !! are no slopes.
+   !! where this normal crosses it improve it. On one closed face of a domain of three dimensions
+   !! the caller needs the part along this face: the search stays on the face, because beyond it
+   !! there are no slopes.
    pure subroutine find_surface_normal(walls, grid, position, on_face, normal, found)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: position(3)            !! [m]
-      logical, intent(in) :: on_face(3)              !! Is it on a closed face across each direction?
+      logical, intent(in) :: on_face(3)              !! On a closed face across a direction?
       real(wp), intent(out) :: normal(3)             !! Unit vector [1]
       logical, intent(out) :: found                  !! Is a surface nearby?
       real(wp) :: place(3), inside(3), below(3), before(3)
@@ -66,7 +66,7 @@ contains
    pure subroutine start_on_face(walls, grid, on_face, place, inside, normal, across)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
-      logical, intent(in) :: on_face(3)              !! Is it on a closed face across each direction?
+      logical, intent(in) :: on_face(3)              !! On a closed face across a direction?
       real(wp), intent(inout) :: place(3)            !! Moved to the face by rounding [m]
       real(wp), intent(out) :: inside(3)             !! A position in the walls on the face [m]
       real(wp), intent(out) :: normal(3)             !! Unit vector along the face [1]

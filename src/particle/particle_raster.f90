@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rasters: values in the middle of equal cells of a horizontal plane, with bilinear interpolation.
+!> Values in the middle of equal cells of a horizontal plane, with bilinear interpolation.
 module particle_raster
    use base_kinds, only: wp
    implicit none
@@ -7,7 +7,7 @@ module particle_raster
 
    public :: raster_t, row_of_raster
 
-   !> Value of a cell without data. It is not a NaN, whose comparisons are trapped in checked builds.
+   !> Value of a cell without data. It is no NaN, whose comparisons are trapped in checked builds.
    real(wp), parameter, public :: no_data = -huge(1.0_wp)
    real(wp), parameter :: slack = 1.0e-6_wp !! Rounding of positions at the edge [cells]
 
@@ -32,7 +32,7 @@ contains
       class(raster_t), intent(in) :: self
       real(wp), intent(in) :: x, y                   !! [m]
       real(wp), intent(out) :: value                 !! [m], 0 if it is not known
-      logical, intent(out) :: known
+      logical, intent(out) :: known                  !! Has the position a value?
       integer :: i, j, right, upper
       real(wp) :: f, g
       logical :: covered(2)

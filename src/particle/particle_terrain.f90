@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Terrain: what lies below a surface of heights, or a layer of given thickness on this surface.
+!> What lies below a surface of heights, or a layer of given thickness on this surface.
 module particle_terrain
    use base_kinds, only: wp
    use particle_framed, only: framed_t

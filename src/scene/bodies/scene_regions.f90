@@ -79,8 +79,8 @@ contains
       call schema%text("region", "thickness_file", "thickness of a layer on the surface of "// &
          "file, as an ESRI ASCII grid; the region is then this layer, not the ground", &
          owner="shape = terrain")
-      call schema%real("region", "section", "y of the profile in a plane scene, as in the file; "// &
-         "not for a raster of one row", unit="m", owner="shape = terrain")
+      call schema%real("region", "section", "y of the profile in a plane scene, as in the "// &
+         "file, if the raster has several rows", unit="m", owner="shape = terrain")
       call schema%real("region", "point_volume", "volume of each particle, if the file has none", &
          unit="m3", range="> 0", owner="shape = points")
       call schema%text("region", "from_body", &

@@ -149,7 +149,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors and warnings
       type(grid_t), intent(in) :: grid
       type(group_t), intent(in) :: group
-      type(shape_holder_t), intent(in) :: holder     !! The shape
+      type(shape_holder_t), intent(in) :: holder     !! With the transformed terrain
       real(wp) :: low(3), high(3), corner(3)
       integer :: n, k
 
