@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the ESRI ASCII grid of shape = 'terrain' from a raster such as a GeoTIFF: a crop, and the means of its cells.
+"""Writes the ESRI ASCII grid of shape = 'terrain' from a raster such as a GeoTIFF.
 
-Coordinates are those of the map; it must have lengths and no degrees. The printed translate of the region moves the
-lower corner of the grid to x = y = 0. Cells without data are written as -9999.
+The raster is cropped, and its cells are averaged. Coordinates are those of the map, in lengths and
+not in degrees. The printed translate of the region moves the lower corner of the grid to x = y = 0.
+Cells without data are written as -9999.
 """
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 SUMMARY = "a raster of heights (GeoTIFF) as an ESRI ASCII grid, for shape = 'terrain'"
 EXAMPLES = ("terrain dem.tif --crop 702300 5180500 703100 5180900 --cell 5 --out heights.asc",
-            "terrain dem.asc --cell 10")
+            "terrain dem.asc --cell 10 --out coarse.asc")
 NO_DATA = -9999.0
 ROUND_OFF = 1.0e-6
 
