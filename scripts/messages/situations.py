@@ -171,6 +171,25 @@ FACETS = "\n".join(["solid stone", *(line for three in ("021", "013", "032", "12
     "endloop", "endfacet"]), "endsolid stone", ""])
 SCAN = STONE.replace("shape = 'stl'  file = 'stone.stl'",
                      "shape = 'voxel'  file = 'first.hdf'  dataset = '/VTKHDF/Points'  voxel_value = 7")
+TERRAIN_PAGE = "../guide/shapes.md#terrain-shape--terrain"
+SLOPE = """&run dimension = '3d' /
+&grid lo = 0 0 0  hi = 1 1 1  dx = 0.125 /
+&time t_end = 0.1 /
+&material name = 'sand'  density = 1500  bulk = 1e7  shear = 5e6 /
+&region name = 'slope'  shape = 'terrain'  file = 'slope.asc' /
+&region name = 'block'  shape = 'box'  lo = 0 0 0.5  hi = 1 1 1 /
+&body name = 'one'  region = 'block'  material = 'sand' /
+&boundary region = 'slope'  type = 'slip' /
+"""
+HEIGHTS = """ncols 3
+nrows 2
+xllcorner 0
+yllcorner 0
+cellsize 0.5
+nodata_value -9999
+0.5 0.4 0.3
+0.5 0.4 0.3
+"""
 FURTHER = GRAINS.replace("grains.csv", "first.hdf").replace(
     "packing = 'file'", "packing = 'file'  initial_stress = 'file'")
 FIRST = GRAINS.replace("shape = 'points'  file = 'grains.csv'",
@@ -495,6 +514,35 @@ SITUATIONS = {
         "text": "A file `stone.stl` that ends too early; these are its last lines:",
         "shows": "\n".join(FACETS.split("\n")[8:11]), "commands": [CHECK],
         "right": "\n".join(FACETS.split("\n")[-9:]), "right_files": {"scene.nml": STONE, "stone.stl": FACETS}},
+    "F129": {
+        "files": {"scene.nml": SLOPE, "slope.asc": HEIGHTS[:-5] + "\n"},
+        "text": "The raster `slope.asc` lacks a value; these are its last lines:",
+        "shows": HEIGHTS[-24:-5] + "\n", "commands": [CHECK], "right": HEIGHTS[-24:],
+        "right_files": {"scene.nml": SLOPE, "slope.asc": HEIGHTS}},
+    "D378": {
+        "files": {"scene.nml": SLOPE.replace("'3d'", "'plane_strain'"), "slope.asc": HEIGHTS},
+        "text": "The raster `slope.asc` has two rows:", "shows": "&run dimension = 'plane_strain' /\n",
+        "commands": [CHECK], "right": SLOPE.split("\n")[4].replace(" /", "  section = 0.5 /") + "\n",
+        "right_files": {"scene.nml": SLOPE.replace("'3d'", "'plane_strain'").replace("asc' /", "asc'  section = 0.5 /"),
+                        "slope.asc": HEIGHTS}, "see": [TERRAIN_PAGE]},
+    "D452": {
+        "files": {"scene.nml": SLOPE, "slope.asc": HEIGHTS.replace("xllcorner 0", "xllcorner 700000")},
+        "text": "The raster `slope.asc` has map coordinates:", "shows": "xllcorner 700000\n",
+        "commands": [CHECK], "right": SLOPE.split("\n")[4].replace(" /", "  translate = -700000 0 0 /") + "\n",
+        "right_files": {"scene.nml": SLOPE.replace("asc' /", "asc'  translate = -700000 0 0 /"),
+                        "slope.asc": HEIGHTS.replace("xllcorner 0", "xllcorner 700000")}, "see": [TERRAIN_PAGE]},
+    "D453": {
+        "files": {"scene.nml": SLOPE, "slope.asc": HEIGHTS.replace(" 0.", " 1500.").replace("\n0.", "\n1500.")},
+        "text": "The heights of `slope.asc` are those above the sea:",
+        "shows": "1500.5 1500.4 1500.3\n", "commands": [CHECK],
+        "right": SLOPE.split("\n")[4].replace(" /", "  translate = 0 0 -1500 /") + "\n",
+        "right_files": {"scene.nml": SLOPE.replace("asc' /", "asc'  translate = 0 0 -1500 /"),
+                        "slope.asc": HEIGHTS.replace(" 0.", " 1500.").replace("\n0.", "\n1500.")},
+        "see": [TERRAIN_PAGE]},
+    "D454": {
+        "files": {"scene.nml": SLOPE, "slope.asc": HEIGHTS.replace("0.4 0.3\n0.5", "-9999 0.3\n0.5")},
+        "text": "A row of `slope.asc`:", "shows": "0.5 -9999 0.3\n", "commands": [CHECK],
+        "right": "0.5 0.4 0.3\n", "right_files": {"scene.nml": SLOPE, "slope.asc": HEIGHTS}, "see": [TERRAIN_PAGE]},
     "F114": {
         "files": {"scene.nml": SCAN, "first.nml": FIRST}, "before": SNAPSHOT,
         "text": "The file has positions of particles, not voxels:", "shows": SCAN.split("\n")[4], "commands": [CHECK]},

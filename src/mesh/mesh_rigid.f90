@@ -168,10 +168,10 @@ contains
       real(wp), intent(out) :: normal(3)             !! Unit normal, or 0 if the node sticks [1]
       real(wp), parameter :: least = 1.0e-3_wp       ! a boundary and a region side by side
       integer :: k, wall, face, global(3)
-      logical :: found
+      logical :: found, on_face(3), sticks
 
-      call find_surface_normal(self%wall, grid, place, normal, found)
-      if (.not. found) normal = 0.0_wp
+      on_face = .false.
+      sticks = .false.
       global = coordinate*grid%width + grid%node_position(node)
       do k = 1, 3
          if (.not. grid%active(k)) cycle
@@ -181,10 +181,14 @@ contains
          if (face == 0) cycle
          wall = boundary%wall_at(face, place)
          if (wall == 0) cycle
-         if (.not. boundary%wall(wall)%condition%is_closed()) cycle
-         normal(k) = 0.0_wp
-         if (.not. boundary%wall(wall)%condition%slides()) normal = 0.0_wp
+         on_face(k) = boundary%wall(wall)%condition%is_closed()
+         sticks = sticks .or. (on_face(k) .and. .not. boundary%wall(wall)%condition%slides())
       end do
+      normal = 0.0_wp
+      if (sticks) return
+      call find_surface_normal(self%wall, grid, place, on_face, normal, found)
+      if (.not. found) normal = 0.0_wp
+      where (on_face) normal = 0.0_wp
       if (norm2(normal) > least) then
          normal = normal/norm2(normal)
       else

@@ -22,34 +22,74 @@ module mesh_surface_normal
    integer, parameter :: rounds = 12                 !! Most improvements of a normal
    real(wp), parameter :: converged = 1.0e-9_wp      !! Change of a normal that is good enough
    real(wp), parameter :: within = 1.0e-6_wp         !! Distance from faces in tests [cells]
+   real(wp), parameter :: steep = 0.7_wp             !! Part of a normal along a face that is enough
 
 contains
 
    !> Outward normal of the surface nearest to a position that touches the walls. Rays in all
    !! directions give a first estimate, the mean of the shortest exits; the slopes of the surface
-   !! where this normal crosses it improve it.
-   pure subroutine find_surface_normal(walls, grid, place, normal, found)
+   !! where this normal crosses it improve it. On one closed face of a domain of three dimensions
+   !! the caller needs the part along this face: the search stays on the face, because beyond it
+   !! there are no slopes.
+   pure subroutine find_surface_normal(walls, grid, position, on_face, normal, found)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp), intent(in) :: position(3)            !! [m]
+      logical, intent(in) :: on_face(3)              !! On a closed face across a direction?
       real(wp), intent(out) :: normal(3)             !! Unit vector [1]
       logical, intent(out) :: found                  !! Is a surface nearby?
-      real(wp) :: inside(3), below(3), before(3)
-      integer :: round
+      real(wp) :: place(3), inside(3), below(3), before(3)
+      integer :: round, across
       logical :: smooth
 
-      call step_in(walls, grid, place, inside)
-      call guess_outward(walls, grid, inside, normal, found)
+      place = position
+      call start_on_face(walls, grid, on_face, place, inside, normal, across)
+      found = across > 0
+      if (across == 0) then
+         call step_in(walls, grid, place, 0, inside, found)
+         if (.not. found) inside = place
+         call guess_outward(walls, grid, inside, normal, found)
+      end if
       if (.not. found) return
       do round = 1, rounds
          ! below the position itself, if it is outside, so that the normal passes through it
          below = place - grid%spacing*normal
          if (any(abs(inside - place) > 0.0_wp) .and. closed(walls, grid, below)) inside = below
          before = normal
-         call improve(walls, grid, inside, normal, smooth)
+         call improve(walls, grid, inside, across, normal, smooth)
          if (.not. smooth .or. maxval(abs(normal - before)) < converged) exit
       end do
    end subroutine find_surface_normal
+
+   !> Start the search on a closed face, if the position is on one of them and the surface is steep
+   !! enough there.
+   pure subroutine start_on_face(walls, grid, on_face, place, inside, normal, across)
+      type(wall_t), intent(in) :: walls(:)           !! The rigid regions
+      type(grid_t), intent(in) :: grid
+      logical, intent(in) :: on_face(3)              !! On a closed face across a direction?
+      real(wp), intent(inout) :: place(3)            !! Moved to the face by rounding [m]
+      real(wp), intent(out) :: inside(3)             !! A position in the walls on the face [m]
+      real(wp), intent(out) :: normal(3)             !! Unit vector along the face [1]
+      integer, intent(out) :: across                 !! Direction across the face, 0 = none
+      real(wp) :: on_it(3)
+      logical :: found
+
+      across = 0
+      normal = 0.0_wp
+      inside = place
+      if (grid%dimensions < 3 .or. count(on_face) /= 1) return
+      across = findloc(on_face, .true., 1)
+      on_it = min(max(place, grid%lower), grid%upper)
+      call step_in(walls, grid, on_it, across, inside, found)
+      if (found) call guess_outward(walls, grid, inside, normal, found)
+      normal(across) = 0.0_wp
+      if (found .and. norm2(normal) > steep) then
+         normal = normal/norm2(normal)
+         place = on_it
+      else
+         across = 0
+      end if
+   end subroutine start_on_face
 
    !> True if a wall covers a position, or one less than half a cell away.
    pure logical function touches(wall, grid, place) result(touch)
@@ -72,23 +112,30 @@ contains
 
    !> A position inside the walls: the given one, or a neighbouring one if the given one only
    !! touches them.
-   pure subroutine step_in(walls, grid, place, inside)
+   pure subroutine step_in(walls, grid, place, across, inside, found)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
+      integer, intent(in) :: across                  !! Direction that stays the same, 0 = none
       real(wp), intent(out) :: inside(3)             !! [m]
+      logical, intent(out) :: found                  !! Is there one?
       integer :: n, number, wall
-      real(wp) :: direction(3, most_rays)
+      real(wp) :: direction(3, most_rays), shift(3)
 
-      inside = place
       call rays(grid, 1, direction, number)
       do n = 0, number
-         if (n > 0) inside = place + beside*grid%spacing*direction(:, n)
+         shift = 0.0_wp
+         if (n > 0) shift = beside*grid%spacing*direction(:, n)
+         if (across > 0) then
+            if (abs(shift(across)) > 0.0_wp) cycle
+         end if
+         inside = place + shift
          do wall = 1, size(walls)
-            if (covers(walls(wall), grid, inside)) return
+            found = covers(walls(wall), grid, inside)
+            if (found) return
          end do
       end do
-      inside = place
+      found = .false.
    end subroutine step_in
 
    !> Directions to all sides, from the middle of a cube to the nodes on its faces.
@@ -212,10 +259,11 @@ contains
    end function surface_on
 
    !> Turn a normal with the slopes of the surface where it leaves it.
-   pure subroutine improve(walls, grid, place, normal, smooth)
+   pure subroutine improve(walls, grid, place, across, normal, smooth)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
+      integer, intent(in) :: across                  !! Direction without a slope, 0 = none
       real(wp), intent(inout) :: normal(3)           !! Unit vector [1]
       logical, intent(out) :: smooth                 !! Has the surface slopes there?
       real(wp) :: along(3, 2), foot(3), height(2), reach, way
@@ -226,7 +274,7 @@ contains
       way = surface_distance(walls, grid, place, normal)
       smooth = way < huge(way)
       if (.not. smooth) return
-      call tangents(grid, normal, along, directions)
+      call tangents(grid, normal, across, along, directions)
       reach = 4.0_wp*aside*grid%spacing
       do k = 1, directions
          do side = 1, 2
@@ -244,10 +292,11 @@ contains
       normal = normal/norm2(normal)
    end subroutine improve
 
-   !> Directions at right angles to a normal that the scene has.
-   pure subroutine tangents(grid, normal, along, directions)
+   !> Directions at right angles to a normal that the scene has, or of them the one along a face.
+   pure subroutine tangents(grid, normal, across, along, directions)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: normal(3)              !! Unit vector [1]
+      integer, intent(in) :: across                  !! Direction across the face, 0 = none
       real(wp), intent(out) :: along(3, 2)           !! Unit vector [1]
       integer, intent(out) :: directions             !! Number of directions
       integer :: least
@@ -256,6 +305,12 @@ contains
       directions = grid%dimensions - 1
       if (directions == 1) then
          along(:, 1) = [-normal(3), 0.0_wp, normal(1)]
+         return
+      end if
+      if (across > 0) then
+         directions = 1
+         along(1 + mod(across, 3), 1) = -normal(1 + mod(across + 1, 3))
+         along(1 + mod(across + 1, 3), 1) = normal(1 + mod(across, 3))
          return
       end if
       least = minloc(abs(normal), 1)

@@ -24,6 +24,7 @@ module particle_framed
       procedure :: bounds => framed_bounds               !! A bounding box
       procedure :: transform => framed_transform         !! Scale, rotate and translate
       procedure :: growth => framed_growth               !! Scale of local lengths
+      procedure :: own_place => framed_own_place         !! Local coordinates of a point
       procedure(holds_i), deferred :: holds              !! Is a point in local coordinates inside?
       procedure(own_bounds_i), deferred :: own_bounds    !! A bounding box in local coordinates
    end type framed_t
@@ -50,15 +51,23 @@ contains
    pure recursive logical function framed_contains(self, x) result(inside)
       class(framed_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
-      real(wp) :: offset(3), own(3)
+
+      inside = self%holds(self%own_place(x))
+   end function framed_contains
+
+   !> Local coordinates of a point.
+   pure function framed_own_place(self, x) result(own)
+      class(framed_t), intent(in) :: self
+      real(wp), intent(in) :: x(3)                       !! Point [m]
+      real(wp) :: own(3)                                 !! [m]
+      real(wp) :: offset(3)
       integer :: k
 
       offset = x - self%origin
       do k = 1, 3
          own(k) = dot_product(self%frame(:, k), offset)/self%factor
       end do
-      inside = self%holds(own)
-   end function framed_contains
+   end function framed_own_place
 
    !> A bounding box, the smallest if the frame is aligned with the coordinates.
    pure recursive subroutine framed_bounds(self, lo, hi)

@@ -348,10 +348,10 @@ UNKNOWN = [
      "&run: method = 'dmpm' is none of: ddmp mpm; did you mean 'mpm'?"),
     ("plain", "shape = 'sphere'", "shape = 'ball'", 6,
      "&region: shape = 'ball' is none of: box sphere cylinder cone ellipsoid torus halfspace "
-     "prism stl voxel points union difference intersection"),
+     "prism stl voxel terrain points union difference intersection"),
     ("plain", "shape = 'sphere'", "shape = 'spehre'", 6,
      "&region: shape = 'spehre' is none of: box sphere cylinder cone ellipsoid torus halfspace prism stl "
-     "voxel points union difference"),
+     "voxel terrain points union difference"),
     ("shock", "'johnson_cook'  jc_a", "'jonson_cook'  jc_a", 8,
      "&material: strength_model = 'jonson_cook' is none of: elastic von_mises johnson_cook"),
     ("shock", "'mie_gruneisen'", "'mie_grueneisen'", 7,

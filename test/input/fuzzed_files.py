@@ -25,6 +25,8 @@ DECK = """
 &region name = 'binary'  shape = 'stl'  file = 'binary.stl'  translate = 1 0 0 /
 &region name = 'points'  shape = 'points'  file = 'points.csv'  translate = 3 0 0 /
 &region name = 'gas'  shape = 'box'  lo = 4 0 0  hi = 5 1 1 /
+&region name = 'land'  shape = 'terrain'  file = 'land.asc' /
+&boundary region = 'land'  type = 'slip' /
 &body name = 'text'    region = 'text'    material = 'metal' /
 &body name = 'binary'  region = 'binary'  material = 'metal' /
 &body name = 'points'  region = 'points'  material = 'metal'  packing = 'file' /
@@ -87,6 +89,7 @@ def write_all(folder):
         "binary.stl": binary_facets(),
         "points.csv": points.encode(),
         "gravity.csv": b"t, gx, gy, gz\n0, 1, 2, 3\n0.5, 0, 0, 1e-3\n1, 4, 5, 6\n",
+        "land.asc": b"ncols 5\nnrows 1\nxllcenter 0.5\nyllcorner 0\ncellsize 1\n0.1 0.2 0.1 0 0.1\n",
         "motion.csv": b"t, vx, vy, vz\n0 1 2 3\n0.5 0 0 1e-3\n1 4 5 6\n",
     }
     axes = state_table.axis(0.1, 10.0, 5), state_table.axis(100.0, 3000.0, 5)

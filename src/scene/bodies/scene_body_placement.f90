@@ -23,6 +23,7 @@ module scene_body_placement
    real(wp), parameter :: fast = 0.5_wp
    real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
    real(wp), parameter :: round_off = 1.0e-9_wp      !! Rounding error of lengths [cells]
+   real(wp), parameter :: endless = 1.0e9_wp         !! Length of shapes without an end [grids]
 
 contains
 
@@ -145,7 +146,7 @@ contains
    end subroutine check_elastic
 
    !> Warn if a part of a body is outside the grid. Parts behind a mirror plane are images and are
-   !! not counted.
+   !! not counted. The grid must cut a shape that has no end, such as a half-space.
    subroutine check_outside(deck, simulation, body, place)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
@@ -156,6 +157,8 @@ contains
 
       associate (grid => simulation%space%grid, boundary => simulation%space%boundary)
          call body%shape%bounds(low, high)
+         if (any(grid%active .and. max(-low, high) > endless*maxval(grid%upper - grid%lower))) &
+            return
          do k = 1, 3
             if (boundary%mirrors(2*k - 1)) low(k) = max(low(k), grid%lower(k))
             if (boundary%mirrors(2*k)) high(k) = min(high(k), grid%upper(k))

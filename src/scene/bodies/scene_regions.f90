@@ -14,6 +14,7 @@ module scene_regions
    use scene_facets, only: read_facets
    use scene_points, only: point_region_t, read_point_region
    use scene_prism, only: build_prism
+   use scene_terrain, only: check_terrain, read_terrain
    use scene_unit_warnings, only: check_angles
    use scene_voxels, only: read_voxel_region
    implicit none
@@ -47,8 +48,8 @@ contains
       call schema%group("region", "a shape, or a set operation on shapes", many=.true.)
       call schema%text("region", "name", "name of the region, for bodies and other regions")
       call schema%text("region", "shape", "kind of shape", &
-         words="box sphere cylinder cone ellipsoid torus halfspace prism stl voxel points "// &
-         "union difference intersection")
+         words="box sphere cylinder cone ellipsoid torus halfspace prism stl voxel terrain "// &
+         "points union difference intersection")
       call schema%real("region", "lo(3)", "lower corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "hi(3)", "upper corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "centre(3)", "centre; of a cylinder or cone the middle of its "// &
@@ -72,8 +73,14 @@ contains
       call schema%real("region", "span(2)", "start and end of a prism along its axis; 3-D only", &
          unit="m", owner="shape = prism")
       call schema%text("region", "file", "input file: of stl facets; of voxel HDF5; of "// &
-         "points CSV or a snapshot (.hdf, .h5); lengths in the unit of the deck; path relative "// &
-         "to the deck", owner="shape = stl voxel points")
+         "terrain the heights as an ESRI ASCII grid (.asc); of points CSV or a snapshot (.hdf, "// &
+         ".h5); lengths in the unit of the deck; path relative to the deck", &
+         owner="shape = stl voxel terrain points")
+      call schema%text("region", "thickness_file", "thickness of a layer on the surface of "// &
+         "file, as an ESRI ASCII grid; the region is then this layer, not the ground", &
+         owner="shape = terrain")
+      call schema%real("region", "section", "y of the profile in a plane scene, as in the "// &
+         "file, if the raster has several rows", unit="m", owner="shape = terrain")
       call schema%real("region", "point_volume", "volume of each particle, if the file has none", &
          unit="m3", range="> 0", owner="shape = points")
       call schema%text("region", "from_body", &
@@ -97,7 +104,7 @@ contains
       ! a region has an effect only through the group that names it
       call schema%allow_change("region", "+ -", changes_nothing)
       ! contents of files are not compared, only paths
-      call schema%allow_change("region", "file", changes_physics)
+      call schema%allow_change("region", "file thickness_file", changes_physics)
    end subroutine declare_region
 
    !> Declare how the shape of a region is placed.
@@ -235,6 +242,8 @@ contains
          call read_facets(communicator, deck, group, shapes(index)%shape)
       case ("voxel")
          call read_voxel_region(communicator, deck, grid, group, shapes(index)%shape)
+      case ("terrain")
+         call read_terrain(communicator, deck, grid, group, shapes(index)%shape)
       case ("points")
          call read_point_region(communicator, deck, grid, group, shapes(index)%points, &
             shapes(index)%shape)
@@ -248,7 +257,7 @@ contains
       call group%get("translate", translate)
       call group%get("rotate_about", about)
       own_centre = about == "centre"
-      if (own_centre .and. (word == "halfspace" .or. word == "points")) then
+      if (own_centre .and. (word == "halfspace" .or. word == "points" .or. word == "terrain")) then
          call deck%add_error(group, "a "//word//" has no centre to rotate about; use "// &
             "rotate_about = 'origin' [D205]", key="rotate_about")
       else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
@@ -262,6 +271,7 @@ contains
       ! points are already at their positions
       if (allocated(shapes(index)%shape%shape) .and. .not. allocated(shapes(index)%points)) &
          call shapes(index)%shape%shape%place(scale, rotate, translate)
+      if (word == "terrain") call check_terrain(deck, grid, group, shapes(index)%shape)
       shapes(index)%ready = .true.
    end subroutine build
 

@@ -6,6 +6,7 @@ module step_walls
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use mesh_boundary, only: boundary_t
+   use mesh_hilbert, only: hilbert_key
    use mesh_rigid, only: held_t
    use mesh_wall, only: wall_t
    use mesh_wall_sums, only: wall_entries, wall_push_t
@@ -87,6 +88,7 @@ contains
             call move_alloc(longer, rigid%held)
          end if
       end associate
+      call follow_tiles(space)
       !$omp parallel do default(none) shared(space, machine) private(tile) schedule(dynamic)
       do tile = 1, space%tiles%all
          call start_cost(machine, tile)
@@ -95,8 +97,42 @@ contains
          call stop_cost(machine, tile)
       end do
       !$omp end parallel do
+      ! nodes of tiles that may come back are not those of the regions that act now
+      if (space%rigid%switched) then
+         do tile = space%tiles%all + 1, size(space%rigid%held)
+            space%rigid%held(tile)%coordinate = -1
+         end do
+      end if
       space%rigid%switched = .false.
    end subroutine find_held
+
+   !> Move the nodes in rigid regions to the new numbers of their tiles: to find their normals takes
+   !! longer than many steps, and a new tile changes the numbers of all tiles behind it.
+   subroutine follow_tiles(space)
+      type(space_t), intent(inout) :: space
+      type(held_t), allocatable :: moved(:)
+      integer :: former, tile
+
+      associate (held => space%rigid%held, tiles => space%tiles)
+         do tile = 1, tiles%all
+            if (any(held(tile)%coordinate /= tiles%coordinate(:, tile))) exit
+         end do
+         if (tile > tiles%all) return
+         allocate (moved(size(held)))
+         do former = 1, size(held)
+            if (any(held(former)%coordinate < 0)) cycle
+            tile = tiles%table%find(hilbert_key(held(former)%coordinate, space%grid%dimensions))
+            if (tile == 0) cycle
+            moved(tile)%coordinate = held(former)%coordinate
+            moved(tile)%moves = held(former)%moves
+            call move_alloc(held(former)%node, moved(tile)%node)
+            call move_alloc(held(former)%wall, moved(tile)%wall)
+            call move_alloc(held(former)%normal, moved(tile)%normal)
+            call move_alloc(held(former)%place, moved(tile)%place)
+         end do
+      end associate
+      call move_alloc(moved, space%rigid%held)
+   end subroutine follow_tiles
 
    !> True if a wall acts on some node of a tile.
    pure logical function walls_touch(space, tile) result(touch)

@@ -6,4 +6,4 @@ docstring (the text of --help), add_arguments(parser), and run(arguments), which
 code or raises ScreeError.
 """
 COMMANDS = ("preview", "info", "plot", "picture", "movie", "radiograph", "fragments", "grains", "means",
-            "paraview", "compare", "sweep", "accuracy", "validate", "check", "eos")
+            "paraview", "compare", "sweep", "accuracy", "validate", "check", "eos", "terrain")
