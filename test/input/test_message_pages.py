@@ -13,7 +13,7 @@ import pytest
 
 import document_messages as messages
 
-MOST_LINES = 3760            # of the page
+MOST_LINES = 13.3            # of the page for each message
 # Messages without an example: no deck causes them, no deck causes them twice with the same text, or the message is one
 # of several that need no example.
 ALONE = {"D224", "D226", "D227", "D228", "D229", "D350", "D351", "D360", "D361", "D362", "D365", "D447", "D451",
@@ -60,4 +60,4 @@ class TestPage:
         assert list(shown) == codes
         assert {code for code in codes if f"[{code}]" not in shown[code]} == ALONE
         assert str(messages.ROOT) not in page
-        assert page.count("\n") < MOST_LINES
+        assert page.count("\n") < MOST_LINES * len(codes)
