@@ -12,7 +12,6 @@ module boundary_slip
    type, extends(boundary_condition_t) :: boundary_slip_t
    contains
       procedure, nopass :: meaning => slip_meaning
-      procedure, nopass :: waits => yes
       procedure, nopass :: slides => yes
       procedure :: constrain => slip_constrain
    end type boundary_slip_t

@@ -2,7 +2,7 @@
 !> Rigid walls to which material sticks.
 module boundary_stick
    use base_kinds, only: wp
-   use mesh_boundary_condition, only: boundary_condition_t, yes
+   use mesh_boundary_condition, only: boundary_condition_t
    implicit none
    private
 
@@ -12,7 +12,6 @@ module boundary_stick
    type, extends(boundary_condition_t) :: boundary_stick_t
    contains
       procedure, nopass :: meaning => stick_meaning
-      procedure, nopass :: waits => yes
       procedure :: constrain => stick_constrain
    end type boundary_stick_t
 

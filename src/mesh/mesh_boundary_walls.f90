@@ -258,8 +258,7 @@ contains
       acts = self%wall(n)%acts .and. self%wall(n)%condition%acts_on_nodes()
    end function walls_acts_on
 
-   !> True if a boundary acts from the time on at which material has reached it. The axis of an
-   !! axisymmetric scene is no wall: the radial velocity vanishes there in any case.
+   !> True if a boundary acts where material has reached it.
    pure logical function walls_waits(self, grid, face) result(waits)
       class(boundary_walls_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -267,8 +266,7 @@ contains
       integer :: n
 
       waits = .false.
-      if (.not. allocated(self%wall) .or. (grid%axisymmetric .and. face == 1)) return
-      if (.not. grid%active(normal_direction(face))) return
+      if (.not. (allocated(self%wall) .and. grid%active(normal_direction(face)))) return
       do n = 1, size(self%wall)
          if (self%wall(n)%face == face) waits = waits .or. self%wall(n)%condition%waits()
       end do

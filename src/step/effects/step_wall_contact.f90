@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact of material with boundaries of the domain. A wall acts on a node from the time on at
-!! which particles in the cells around it have reached the wall; (R.13) of
-!! doc/theory/rigid.md. The functions of the nodes reach further, so a wall without this test would
-!! stop material up to a cell before it arrives.
+!> Contact of material with boundaries of the domain from which it can separate: those with friction.
+!! Such a wall acts on a node from the time on at which particles in the cells around it have reached
+!! the wall; (R.13) of doc/theory/rigid.md. The functions of the nodes reach further, so without this
+!! test it would stop material up to a cell before it arrives.
 module step_wall_contact
    use base_kinds, only: int64, wp
    use mesh_boundary, only: boundary_t

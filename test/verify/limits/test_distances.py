@@ -8,9 +8,10 @@ empty cells. Strong shocks and other methods are known misses.
 Shock: aluminium, without strength or with a yield stress of 0.3 GPa, hits a wall. A steady front of finite width does
 not exceed the stress behind it (target 3 %, the scatter that test_piston.py allows there), here its median. Without any
 damping the front of a lattice of masses and springs at most doubles the jump: limit 1.
-Wall: a block moves to a wall at 1 m/s, with cells that fit into the distance and others. The target is that of bodies in
-contact (test_contact.py): a tenth of a cell. A ball that falls on the wall and comes back keeps its energy within 1 %. Rigid
-regions act at the nodes next to them, whose functions reach a cell further: a known miss, limit 1.5.
+Wall: a block moves at 1 m/s to a wall with friction, with cells that fit into the distance and others. The target is
+that of bodies in contact (test_contact.py): a tenth of a cell. A ball that falls on the wall and comes back keeps its
+energy within 1 %. Rigid regions and other boundaries act on all material in the cells next to them: a known miss,
+limit 1.5.
 Row: two blocks with a row of empty cells between them move apart. They share no node of a cell that contains material,
 so they do not act on each other, to rounding; blocks that stick together pull at each other with rho c v, v the speed
 of each.
@@ -126,15 +127,18 @@ def test_wall(options, sheet, method, cell):
                 abs(gap - rows["time"][slower[0]]) / cell, 0.1)
 
 
-def test_region(options, sheet):
-    """The same for a wall that is a rigid region."""
-    deck = WALL.format(method="ddmp", cell=0.05, width=2.0).replace("lo=0,0,0 hi=2.0,1,2.0", "lo=0,0,-0.2 hi=2,1,1.2").replace(
-        "&boundary face='zlo'", "&region name='f' shape='box' lo=0,0,-0.2 hi=2,1,0 /\n&boundary region='f'")
-    run = case.Case(options, "region", deck).run("-q")
+@pytest.mark.parametrize("wall", ["rigid region", "boundary of type slip"])
+def test_other_walls(options, sheet, wall):
+    """The same for walls that act on all material in the cells next to them."""
+    deck = WALL.format(method="ddmp", cell=0.05, width=2.0).replace("'friction' friction=0", "'slip'")
+    if wall == "rigid region":
+        deck = deck.replace("lo=0,0,0 hi=2.0,1,2.0", "lo=0,0,-0.2 hi=2,1,1.2").replace(
+            "&boundary face='zlo'", "&region name='f' shape='box' lo=0,0,-0.2 hi=2,1,0 /\n&boundary region='f'")
+    run = case.Case(options, wall.replace(" ", "_"), deck).run("-q")
     rows = case.post().history(str(run.path("_gauge.csv")))
     slower = np.flatnonzero(np.abs(rows["velocity_z"] + 1.0) > 1.0e-3)
     sheet.require(len(slower) > 10 and rows["velocity_z"][-1] > 0.0, "the block comes back")
-    sheet.known("rigid region: cells from its surface at the first force", (0.15 - rows["time"][slower[0]]) / 0.05,
+    sheet.known(f"{wall}: cells from its surface at the first force", (0.15 - rows["time"][slower[0]]) / 0.05,
                 limit=1.5, target=0.1)
 
 
