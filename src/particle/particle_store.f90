@@ -58,7 +58,8 @@ module particle_store
       real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation around it [1/s]
       !> (particle, 9) Half of the strain of the last step, applied before the move [1]
       real(wp), allocatable :: ahead(:, :)
-      !> 64 times the steps done when it was last near a wall that it has reached; bit n - 1 = wall n
+      !> 64 times the steps done when it was last next to a boundary that it has reached, and bit
+      !! n - 1 for boundary n
       integer(int64), allocatable :: touched(:)
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       type(origin_t) :: origin                        !! What is known of the start

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact of material with boundaries of the domain from which it can separate: those with friction.
-!! Such a wall acts on a node from the time on at which particles in the cells around it have reached
-!! the wall; (R.13) of doc/theory/rigid.md. The functions of the nodes reach further, so without this
-!! test it would stop material up to a cell before it arrives.
+!> Contact of material with boundaries of the domain from which it can separate, those with
+!! friction. Such a wall acts on a node from the time on at which particles in the cells around it
+!! have reached the wall; (R.13) of doc/theory/rigid.md. The functions of the nodes reach further,
+!! so without this test it would stop material up to a cell before it arrives.
 module step_wall_contact
+   use base_elementary, only: power
    use base_kinds, only: int64, wp
    use mesh_boundary, only: boundary_t
    use mesh_boundary_condition, only: inward_sign, normal_direction
@@ -20,11 +21,11 @@ module step_wall_contact
 
    public :: approaches_walls, find_reached_walls
 
-   !> A particle touches a wall at this distance of its surface, in cells: material at rest on a wall
-   !! must not leave it by rounding.
+   !> A particle touches a wall at this distance of its surface, in cells: material at rest on a
+   !! wall must not leave it by rounding.
    real(wp), parameter :: touch = 1.0e-3_wp
-   !> Cells beside a reached one along the wall whose nodes are reached with it. Nodes at the edge of
-   !! a contact have little mass; without the wall they would be pushed through it.
+   !> Cells beside a reached one along the wall whose nodes are reached with it. Nodes at the edge
+   !! of a contact have little mass; without the wall they would be pushed through it.
    integer, parameter :: beside = 1
    !> Nearest that the middle of a particle comes to a wall before the wall acts, in half edges.
    real(wp), parameter :: nearest = 0.25_wp
@@ -154,7 +155,7 @@ contains
       if (store%touched(p)/faces == step) marks = mod(store%touched(p), faces)
       half = store%state%volume(p)/grid%depth
       if (grid%axisymmetric) half = half/store%position(p, 1)
-      half = 0.5_wp*half**(1.0_wp/real(grid%dimensions, wp))
+      half = 0.5_wp*power(half, 1.0_wp/real(grid%dimensions, wp))
       do face = 1, 6
          if (.not. near(face)) then
             marks = ibclr(marks, face - 1)
@@ -206,7 +207,7 @@ contains
    pure subroutine reach_nodes(grid, extent, cell, marks, reached)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: extent(3)               !! Cells of the tile
-      integer, intent(in) :: cell(3)                 !! Place of the cell, from the corner of the tile
+      integer, intent(in) :: cell(3)                 !! The cell, from the corner of the tile
       integer, intent(in) :: marks                   !! Boundaries that its particles have reached
       integer, intent(inout) :: reached(:)           !! (node) Bits
       integer :: face, normal, low(3), high(3), margin(3), x, y, z, node
@@ -253,8 +254,8 @@ contains
       !$omp end parallel do
    end function approaches_walls
 
-   !> True if a particle of a tile is nearer to a wall than the functions of its nodes reach, without
-   !! a mark of this step.
+   !> True if a particle of a tile is nearer to a wall than the functions of its nodes reach,
+   !! without a mark of this step.
    pure logical function tile_approaches(grid, boundary, coordinate, step, tile, stores) &
       result(near)
       type(grid_t), intent(in) :: grid

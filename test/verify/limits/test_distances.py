@@ -150,8 +150,8 @@ def test_bounce(options, sheet, cell):
                                                              middle=0.5 * width)).run("-q")
     rows = case.post().history(str(run.path("_gauge.csv")))
     sheet.require(rows["velocity_z"][0] < -0.9 and rows["velocity_z"][-1] > 0.5, "the ball comes back")
-    sheet.below(f"ball, cells of {cell} m: change of the energy in the bounce", abs(run.summary["ledger"]["energy_error"]),
-                0.01)
+    change = abs(run.summary["ledger"]["energy_error"])
+    sheet.below(f"ball, cells of {cell} m: change of the energy in the bounce", change, 0.01)
 
 
 @pytest.mark.parametrize("rows", [1, 2])
