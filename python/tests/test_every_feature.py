@@ -101,7 +101,7 @@ def test_all_commands(deck: Path, results: scree.Run, monkeypatch: pytest.Monkey
                   "--set", "define.angle=30", "--outdir", deck.parent / "sweep"),
         "accuracy": (deck, "--quantity", "forces.xhi_impulse_x", "mean_gauge.velocity_x:mean", "fragments.fragment:max",
                      "--factors", "4,2,1", "--work", deck.parent / "accuracy", "--plot", mark("accuracy.png"))}
-    others = {"eos", "grains", "validate"}               # of materials, cells of grains and own decks, not of a scene
+    others = {"eos", "grains", "terrain", "validate"}    # of materials, grains, rasters, own decks
     assert {*calls} | others == {*COMMANDS}
     said = {name: post(name, *words) for name, words in calls.items()}
     post("plot", out / "every_profile.csv", "--x", "position", "--y", "density", "--out", mark("line.png"))

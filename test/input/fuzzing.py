@@ -2,6 +2,7 @@
 """Run the program that damages decks, on the decks of the project and on some further ones."""
 
 import re
+import shutil
 import subprocess
 
 import case
@@ -47,6 +48,8 @@ def fuzz(options, first, count, timeout, program=None):
     decks["mixed.nml"] = MIXED
     for path in sorted((case.ROOT / "input").glob("*/*.nml")):
         decks[f"{path.parent.name}_{path.name}"] = path.read_text(encoding="utf-8")
+    for raster in (case.ROOT / "input").glob("*/*.asc"):
+        shutil.copy(raster, options.work)
     for name, text in decks.items():
         (folder / name).write_text(COARSE[0].sub(COARSE[1], text), encoding="utf-8")
     answer = subprocess.run(

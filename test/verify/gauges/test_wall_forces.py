@@ -20,7 +20,7 @@ DECK = """
 &region  name='right'  shape='box'  lo=1.1,0,0.05  hi=1.4,1,0.5 /
 &region  name='wedge'  shape='box'  lo=0.7,0,0  hi=0.9,1,0.1 /
 &region  name='plate'  shape='box'  lo=1.5,0,0  hi=1.6,1,1.5 /
-&region  name='middle'  shape='box'  lo=0,0,0  hi=1.3,1,1 /
+&region  name='middle'  shape='box'  lo=0,0,0  hi=1.1,1,1 /
 &body  name='left'   region='left'   material='m'  velocity=0,0,-2 /
 &body  name='right'  region='right'  material='m'  velocity=1,0,-1 /
 &boundary  face='zlo'  type='friction'  friction=0.4 /
