@@ -113,8 +113,7 @@ def test_other_methods(options, sheet):
                 target=0.03)
 
 
-@pytest.mark.parametrize("cell", [0.05, 0.044, 0.035])
-@pytest.mark.parametrize("method", ["ddmp", "mpm"])
+@pytest.mark.parametrize("method, cell", [("ddmp", 0.05), ("ddmp", 0.044), ("ddmp", 0.035), ("mpm", 0.044)])
 def test_wall(options, sheet, method, cell):
     """The distance from a wall, in cells, at which a block begins to be slower."""
     run = case.Case(options, f"{method}_{cell}", WALL.format(method=method, cell=cell, width=40 * cell)).run("-q")
