@@ -283,8 +283,8 @@ contains
          call boundary_nodes(grid, coordinate, face, nodes, all)
          divided = boundary%is_divided(face)
          waits = .false.
-         if (present(tile) .and. allocated(boundary%reached)) waits = boundary%waits(grid, face) &
-            .and. boundary%wall(wall)%condition%waits()
+         if (present(tile) .and. allocated(boundary%reached)) &
+            waits = boundary%wall(wall)%condition%waits()
          do n = 1, all
             if (waits) then
                if (.not. btest(boundary%reached(nodes(n), tile), face - 1)) cycle

@@ -4,7 +4,6 @@
 !! have reached the wall; (R.13) of doc/theory/rigid.md. The functions of the nodes reach further,
 !! so without this test it would stop material up to a cell before it arrives.
 module step_wall_contact
-   use base_elementary, only: power
    use base_kinds, only: int64, wp
    use mesh_boundary, only: boundary_t
    use mesh_boundary_condition, only: inward_sign, normal_direction
@@ -16,6 +15,7 @@ module step_wall_contact
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_simulation, only: simulation_t, space_t
    use step_tile_cost, only: start_cost, stop_cost
+   use transfer_contact, only: particle_widths
    implicit none
    private
 
@@ -61,14 +61,15 @@ contains
             if (space%approached) call send_patches(space, machine, part, space%arrived)
          end do
          if (allocated(space%boundary%reached)) deallocate (space%boundary%reached)
-         if (space%approached) allocate (space%boundary%reached(space%grid%tile_nodes, &
-            space%tiles%all))
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, merge(simulation%space%tiles%all, 0, simulation%space%approached)
-            call find_reached_nodes(simulation%space%grid, simulation%space%tiles, &
-               simulation%space%arrived, tile, simulation%space%boundary%reached(:, tile))
-         end do
-         !$omp end parallel do
+         if (space%approached) then
+            allocate (space%boundary%reached(space%grid%tile_nodes, space%tiles%all))
+            !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+            do tile = 1, simulation%space%tiles%all
+               call find_reached_nodes(simulation%space%grid, simulation%space%tiles, &
+                  simulation%space%arrived, tile, simulation%space%boundary%reached(:, tile))
+            end do
+            !$omp end parallel do
+         end if
          call machine%timer%stop(machine%phase%scatter)
       end associate
    end subroutine find_reached_walls
@@ -148,14 +149,12 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(store_t), intent(in) :: store
       integer, intent(in) :: p                       !! Particle
-      real(wp) :: half, way
+      real(wp) :: half(1), way
       integer :: face, k
 
       marks = 0
       if (store%touched(p)/faces == step) marks = mod(store%touched(p), faces)
-      half = store%state%volume(p)/grid%depth
-      if (grid%axisymmetric) half = half/store%position(p, 1)
-      half = 0.5_wp*power(half, 1.0_wp/real(grid%dimensions, wp))
+      call particle_widths(grid, p, 1, store%position, store%state%volume, half)
       do face = 1, 6
          if (.not. near(face)) then
             marks = ibclr(marks, face - 1)
@@ -164,7 +163,7 @@ contains
          k = normal_direction(face)
          way = max(0.0_wp, -inward_sign(face)*store%velocity(p, k)*dt)
          if (distance(grid, face, store%position(p, k)) <= touch*grid%spacing &
-            + max(half + 0.5_wp*way, nearest*half + way)) marks = ibset(marks, face - 1)
+            + max(half(1) + 0.5_wp*way, nearest*half(1) + way)) marks = ibset(marks, face - 1)
       end do
    end function marks_of
 
