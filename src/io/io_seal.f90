@@ -17,7 +17,7 @@ module io_seal
 
    public :: check_seal, write_seal
 
-   character(len=*), parameter, public :: checkpoint_schema = "scree-checkpoint-3"
+   character(len=*), parameter, public :: checkpoint_schema = "scree-checkpoint-4"
 
    integer, parameter :: digits = 16                     !! Digits of the hash
    integer, parameter, public :: seal_bytes = 48         !! Title, blanks, digits, end of line

@@ -8,10 +8,11 @@ module boundary_slip
 
    public :: boundary_slip_t
 
-   !> Material stays on such a wall and moves along it.
+   !> Material that began on such a wall stays on it; it moves along it.
    type, extends(boundary_condition_t) :: boundary_slip_t
    contains
       procedure, nopass :: meaning => slip_meaning
+      procedure, nopass :: waits => yes
       procedure, nopass :: slides => yes
       procedure :: constrain => slip_constrain
    end type boundary_slip_t

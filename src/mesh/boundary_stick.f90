@@ -2,17 +2,19 @@
 !> Rigid walls to which material sticks.
 module boundary_stick
    use base_kinds, only: wp
-   use mesh_boundary_condition, only: boundary_condition_t
+   use mesh_boundary_condition, only: boundary_condition_t, yes
    implicit none
    private
 
    public :: boundary_stick_t
 
-   !> Material does not move along such a wall.
+   !> Material that began on such a wall stays there; what presses on it does not move along it.
    type, extends(boundary_condition_t) :: boundary_stick_t
    contains
       procedure, nopass :: meaning => stick_meaning
+      procedure, nopass :: waits => yes
       procedure :: constrain => stick_constrain
+      procedure :: grip => stick_grip
    end type boundary_stick_t
 
 contains
@@ -39,4 +41,11 @@ contains
          acceleration(:, nodes(n)) = 0.0_wp
       end do
    end subroutine stick_constrain
+
+   !> More friction than pressure can overcome.
+   pure real(wp) function stick_grip(self) result(friction)
+      class(boundary_stick_t), intent(in) :: self
+
+      friction = 1.0e30_wp
+   end function stick_grip
 end module boundary_stick

@@ -17,23 +17,26 @@ module mesh_boundary
    type, extends(boundary_walls_t) :: boundary_t
       logical :: warm(6) = .false.                   !! (face) Has it a given temperature?
       real(wp) :: temperature(6) = 0.0_wp            !! (face) That temperature [K]
-      !> (node, tile) Bit n - 1 = material has reached boundary n there; not allocated if walls wait
-      !! for no particle
+      !> (node, tile) Bit n - 1 = material has reached boundary n there, bit n + 5 = some of it began
+      !! there; not allocated if no material approaches a boundary: then all has reached them
       integer, allocatable :: reached(:, :)
    contains
       procedure :: touches => boundary_touches       !! Does a tile have nodes on such a boundary?
 
       procedure :: add_forces => boundary_add_forces !! Forces of boundaries on nodes
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
-      procedure :: apply_friction => boundary_apply_friction !! Friction of boundaries on nodes
-      !> Constrain nodes on walls with friction
-      procedure :: hold_pressed => boundary_hold_pressed
+      procedure :: separates => boundary_separates   !! May material separate from some boundary?
+      procedure :: press => boundary_press           !! Hold nodes that are pressed on boundaries
+      procedure :: hold_pressed => boundary_hold_pressed !! Hold nodes that were pressed on them
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through boundaries
       procedure :: held_at => boundary_held_at       !! Prescribed temperatures of nodes
       procedure :: raise => boundary_raise !! Multiply values of nodes on closed boundaries
       procedure :: see_gaps => boundary_see_gaps     !! Gaps between material and closed boundaries
    end type boundary_t
+
+   !> Nodes of a wall on which it acts: all, those that it holds, those that may separate from it.
+   integer, parameter :: all_nodes = 0, held_nodes = 1, free_nodes = 2
 
 contains
 
@@ -68,7 +71,7 @@ contains
             if (n /= only) cycle
          end if
          if (.not. self%wall(n)%condition%absorbs_waves()) cycle
-         call wall_nodes(self, grid, coordinate, n, nodes, number)
+         call wall_nodes(self, grid, coordinate, 0, n, all_nodes, nodes, number)
          if (number > 0) call self%wall(n)%condition%add_forces(grid, coordinate, &
             self%wall(n)%face, nodes(:number), dt, velocity, acceleration)
       end do
@@ -97,14 +100,32 @@ contains
             if (n /= only) cycle
          end if
          if (.not. self%wall(n)%condition%acts_on_nodes()) cycle
-         call wall_nodes(self, grid, coordinate, n, nodes, number, tile)
+         call wall_nodes(self, grid, coordinate, tile, n, held_nodes, nodes, number)
          if (number > 0) call self%wall(n)%condition%constrain(self%wall(n)%face, &
             nodes(:number), lead, velocity, acceleration)
+         call wall_nodes(self, grid, coordinate, tile, n, free_nodes, nodes, number)
+         if (number > 0) call self%wall(n)%condition%keep_out(self%wall(n)%face, &
+            nodes(:number), velocity)
       end do
    end subroutine boundary_constrain
 
-   !> Friction of boundaries on the nodes of a tile.
-   pure subroutine boundary_apply_friction(self, grid, coordinate, tile, dt, pic, free, velocity, &
+   !> True if material may separate from some boundary now.
+   pure logical function boundary_separates(self) result(separates)
+      class(boundary_t), intent(in) :: self
+      integer :: n
+
+      separates = .false.
+      if (.not. allocated(self%wall)) return
+      do n = 1, size(self%wall)
+         associate (condition => self%wall(n)%condition)
+            separates = separates .or. (condition%waits() .and. &
+               (allocated(self%reached) .or. .not. condition%keeps()))
+         end associate
+      end do
+   end function boundary_separates
+
+   !> Hold the nodes of a tile that forces press on boundaries from which they may separate.
+   pure subroutine boundary_press(self, grid, coordinate, tile, dt, pic, free, velocity, &
       acceleration, only)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -123,15 +144,15 @@ contains
          if (present(only)) then
             if (n /= only) cycle
          end if
-         if (.not. self%wall(n)%condition%has_friction()) cycle
-         call wall_nodes(self, grid, coordinate, n, nodes, number, tile)
-         if (number > 0) call self%wall(n)%condition%apply_friction(self%wall(n)%face, &
+         if (.not. self%wall(n)%condition%waits()) cycle
+         call wall_nodes(self, grid, coordinate, tile, n, free_nodes, nodes, number)
+         if (number > 0) call self%wall(n)%condition%press(self%wall(n)%face, &
             nodes(:number), dt, pic, free, velocity, acceleration)
       end do
-   end subroutine boundary_apply_friction
+   end subroutine boundary_press
 
-   !> Remove the normal velocity of nodes that walls with friction constrained in the step, unless
-   !! they separate.
+   !> Remove the normal velocity of nodes that were pressed on boundaries in the step, unless they
+   !! separate.
    pure subroutine boundary_hold_pressed(self, grid, coordinate, tile, ended, velocity)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -143,8 +164,8 @@ contains
 
       if (.not. allocated(self%wall)) return
       do n = 1, size(self%wall)
-         if (.not. self%wall(n)%condition%has_friction()) cycle
-         call wall_nodes(self, grid, coordinate, n, nodes, number, tile)
+         if (.not. self%wall(n)%condition%waits()) cycle
+         call wall_nodes(self, grid, coordinate, tile, n, free_nodes, nodes, number)
          if (number > 0) call self%wall(n)%condition%hold_pressed(self%wall(n)%face, &
             nodes(:number), ended, velocity)
       end do
@@ -162,7 +183,7 @@ contains
       if (.not. allocated(self%wall)) return
       do wall = 1, size(self%wall)
          if (.not. self%wall(wall)%condition%mirrors()) cycle
-         call wall_nodes(self, grid, coordinate, wall, nodes, number)
+         call wall_nodes(self, grid, coordinate, 0, wall, all_nodes, nodes, number)
          normal = normal_direction(self%wall(wall)%face)
          do other = 1, 3
             if (other == normal) cycle
@@ -225,7 +246,7 @@ contains
       if (.not. allocated(self%wall)) return
       do wall = 1, size(self%wall)
          if (.not. self%wall(wall)%condition%is_closed()) cycle
-         call wall_nodes(self, grid, coordinate, wall, nodes, number)
+         call wall_nodes(self, grid, coordinate, 0, wall, all_nodes, nodes, number)
          do n = 1, number
             values(nodes(n)) = factor*values(nodes(n))
          end do
@@ -250,7 +271,7 @@ contains
       if (.not. allocated(self%wall)) return
       do wall = 1, size(self%wall)
          if (.not. self%wall(wall)%condition%is_closed()) cycle
-         call wall_nodes(self, grid, coordinate, wall, nodes, number, tile)
+         call wall_nodes(self, grid, coordinate, tile, wall, all_nodes, nodes, number)
          associate (face => self%wall(wall)%face)
             do n = 1, number
                node = nodes(n)
@@ -265,29 +286,36 @@ contains
       end do
    end subroutine boundary_see_gaps
 
-   !> The nodes of a tile, its margin included, on which a wall acts now.
-   pure subroutine wall_nodes(boundary, grid, coordinate, wall, nodes, number, tile)
+   !> The nodes of a tile, its margin included, on which a wall acts now: all that material has
+   !! reached, those that the wall holds because material began there, or those that may separate
+   !! from it. Equation (R.13) of doc/theory/rigid.md.
+   pure subroutine wall_nodes(boundary, grid, coordinate, tile, wall, which, nodes, number)
       type(boundary_t), intent(in) :: boundary
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: tile                    !! Its index; 0: also nodes not yet reached
       integer, intent(in) :: wall                    !! Index of the wall
+      integer, intent(in) :: which                   !! all_nodes, held_nodes or free_nodes
       integer, intent(out) :: nodes(:)               !! The nodes; capacity for a tile
       integer, intent(out) :: number                 !! How many, 0 = none
-      integer, intent(in), optional :: tile          !! Its index: only nodes that are reached
       integer :: n, all
-      logical :: waits, divided
+      logical :: seen, divided, keeps, began
 
       number = 0
       if (.not. boundary%wall(wall)%acts) return
+      keeps = boundary%wall(wall)%condition%keeps()
+      seen = tile > 0 .and. allocated(boundary%reached)
+      if (seen) seen = boundary%waits_at(grid, wall)
+      if (which == held_nodes .and. .not. keeps) return
+      if (which == free_nodes .and. keeps .and. .not. seen) return
       associate (face => boundary%wall(wall)%face)
          call boundary_nodes(grid, coordinate, face, nodes, all)
          divided = boundary%is_divided(face)
-         waits = .false.
-         if (present(tile) .and. allocated(boundary%reached)) &
-            waits = boundary%wall(wall)%condition%waits()
          do n = 1, all
-            if (waits) then
+            if (seen) then
                if (.not. btest(boundary%reached(nodes(n), tile), face - 1)) cycle
+               began = keeps .and. btest(boundary%reached(nodes(n), tile), face + 5)
+               if (which /= all_nodes .and. (began .neqv. which == held_nodes)) cycle
             end if
             if (divided) then
                if (boundary%wall_at(face, node_place(grid, coordinate, nodes(n))) /= wall) cycle

@@ -30,6 +30,7 @@ module mesh_boundary_condition
       procedure, nopass :: mirrors => no           !! Is it a mirror plane?
       procedure, nopass :: moves => no             !! May it move as a boundary of the domain?
       procedure, nopass :: waits => no             !! Does it act from the contact on?
+      procedure, nopass :: keeps => yes            !! Does it hold material that began on it?
       procedure, nopass :: slides => no            !! May material move along it?
       procedure, nopass :: has_friction => no      !! Does it resist that motion?
       procedure, nopass :: absorbs_waves => no     !! Does it add forces?
@@ -40,7 +41,10 @@ module mesh_boundary_condition
 
       procedure :: add_forces => condition_add_forces !! Add accelerations of nodes
       procedure :: constrain => condition_constrain  !! Set velocities, remove accelerations
-      procedure :: apply_friction => condition_apply_friction !! Apply friction to pressed nodes
+      procedure :: grip => condition_grip            !! Friction on material that presses on it
+      ! the same for material that may separate from it
+      procedure :: keep_out => condition_keep_out    !! Let nothing move into it
+      procedure :: press => condition_press          !! Hold nodes that forces press on it
       procedure :: hold_pressed => condition_hold_pressed !! Hold nodes that were pressed on it
    end type boundary_condition_t
 
@@ -128,25 +132,82 @@ contains
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
    end subroutine condition_constrain
 
-   !> Most conditions have no friction.
-   pure subroutine condition_apply_friction(self, face, nodes, dt, pic, free, velocity, &
-      acceleration)
+   !> Coefficient of friction between the boundary and material that may separate from it [1].
+   pure real(wp) function condition_grip(self) result(friction)
+      class(boundary_condition_t), intent(in) :: self
+
+      friction = self%friction
+   end function condition_grip
+
+   !> Nothing moves into the wall.
+   pure subroutine condition_keep_out(self, face, nodes, velocity)
+      class(boundary_condition_t), intent(in) :: self
+      integer, intent(in) :: face                    !! 1 to 6
+      integer, contiguous, intent(in) :: nodes(:)    !! Nodes of a tile on the boundary
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) [m/s]
+      integer :: n, node, normal
+
+      normal = normal_direction(face)
+      do n = 1, size(nodes)
+         node = nodes(n)
+         velocity(normal, node) = merge(max(velocity(normal, node), 0.0_wp), &
+            min(velocity(normal, node), 0.0_wp), mod(face, 2) == 1)
+      end do
+   end subroutine condition_keep_out
+
+   !> Where the forces of a step press a node on the wall, the wall removes its normal velocity and
+   !! acceleration, and up to mu times that from its tangential velocity at the end of the step, at
+   !! most all of it: then the node sticks. A node that moves away is free. Equation (M.24) of
+   !! doc/theory/method.md.
+   pure subroutine condition_press(self, face, nodes, dt, pic, free, velocity, acceleration)
       class(boundary_condition_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6
       integer, contiguous, intent(in) :: nodes(:)    !! Nodes of a tile on the boundary
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(in) :: pic                    !! Fraction of PIC in the transfer, 0 to 1
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
-      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With the others [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) With all other walls [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
-   end subroutine condition_apply_friction
+      real(wp) :: along(3), inward, taken, speed
+      integer :: n, node, normal
 
-   !> Most conditions do not depend on whether a node is pressed.
+      normal = normal_direction(face)
+      inward = inward_sign(face)
+      do n = 1, size(nodes)
+         node = nodes(n)
+         ! velocity gain of particles from the node if the wall constrains it
+         taken = -inward*(dt*acceleration(normal, node) + pic*free(normal, node))
+         if (.not. taken > 0.0_wp) cycle
+         if (inward*(free(normal, node) + dt*acceleration(normal, node)) > 0.0_wp) cycle
+         velocity(normal, node) = 0.0_wp
+         acceleration(normal, node) = 0.0_wp
+         along = velocity(:, node) + dt*acceleration(:, node)
+         if (.not. dt > 0.0_wp) cycle
+         taken = self%grip()*taken
+         speed = norm2(along)
+         if (taken < speed) then
+            taken = taken/speed
+         else
+            taken = 1.0_wp
+         end if
+         acceleration(:, node) = acceleration(:, node) - taken/dt*along
+      end do
+   end subroutine condition_press
+
+   !> Remove the normal velocity of nodes that the wall constrained in the step, unless they
+   !! separate.
    pure subroutine condition_hold_pressed(self, face, nodes, ended, velocity)
       class(boundary_condition_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6
       integer, contiguous, intent(in) :: nodes(:)    !! Nodes of a tile on the boundary
       real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Changed [m/s]
+      integer :: n, normal
+
+      normal = normal_direction(face)
+      do n = 1, size(nodes)
+         if (.not. inward_sign(face)*ended(normal, nodes(n)) > 0.0_wp) &
+            velocity(normal, nodes(n)) = 0.0_wp
+      end do
    end subroutine condition_hold_pressed
 end module mesh_boundary_condition

@@ -34,7 +34,8 @@ module mesh_boundary_walls
       procedure :: moves => walls_moves           !! Is a whole boundary a moving wall?
       procedure :: lets_out => walls_lets_out     !! Do particles leave at a position?
       procedure :: waits => walls_waits           !! Does a boundary act from the contact on?
-      procedure :: has_friction => walls_has_friction !! Has some boundary friction?
+      procedure :: keeps => walls_keeps           !! Does it hold material that began on it?
+      procedure :: waits_at => walls_waits_at     !! Does a wall act from the contact on?
       procedure :: absorbs_waves => walls_absorbs_waves !! Does some boundary absorb waves?
       procedure :: acts_on => walls_acts_on       !! Does a boundary change node velocities?
    end type boundary_walls_t
@@ -221,18 +222,6 @@ contains
       if (self%wall(n)%acts) open = self%wall(n)%condition%lets_out()
    end function walls_lets_out
 
-   !> Whether some boundary, or a part of one, has friction.
-   pure logical function walls_has_friction(self) result(has)
-      class(boundary_walls_t), intent(in) :: self
-      integer :: n
-
-      has = .false.
-      if (.not. allocated(self%wall)) return
-      do n = 1, size(self%wall)
-         has = has .or. self%wall(n)%condition%has_friction()
-      end do
-   end function walls_has_friction
-
    !> Whether some boundary absorbs waves.
    pure logical function walls_absorbs_waves(self) result(absorbs)
       class(boundary_walls_t), intent(in) :: self
@@ -266,9 +255,36 @@ contains
       integer :: n
 
       waits = .false.
-      if (.not. (allocated(self%wall) .and. grid%active(normal_direction(face)))) return
+      if (.not. allocated(self%wall)) return
       do n = 1, size(self%wall)
-         if (self%wall(n)%face == face) waits = waits .or. self%wall(n)%condition%waits()
+         if (self%wall(n)%face == face) waits = waits .or. self%waits_at(grid, n)
       end do
    end function walls_waits
+
+   !> True if a boundary acts where material has reached it, and holds material that began there.
+   pure logical function walls_keeps(self, grid, face) result(keeps)
+      class(boundary_walls_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: face                    !! 1 to 6
+      integer :: n
+
+      keeps = .false.
+      if (.not. allocated(self%wall)) return
+      do n = 1, size(self%wall)
+         if (self%wall(n)%face == face) keeps = keeps .or. &
+            (self%waits_at(grid, n) .and. self%wall(n)%condition%keeps())
+      end do
+   end function walls_keeps
+
+   !> True if a wall acts where material has reached it. An axis of symmetry is no wall.
+   pure logical function walls_waits_at(self, grid, n) result(waits)
+      class(boundary_walls_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: n                       !! Wall
+
+      associate (wall => self%wall(n))
+         waits = wall%condition%waits() .and. grid%active(normal_direction(wall%face)) &
+            .and. .not. (grid%axisymmetric .and. wall%face == 1)
+      end associate
+   end function walls_waits_at
 end module mesh_boundary_walls

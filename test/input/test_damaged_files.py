@@ -29,7 +29,7 @@ DECK = """
 &body name = 'two'  region = 'cube'  material = 'soft' /
 &checkpoint dt = 5e-5  keep = 0 /
 """
-TITLE = b"scree-checkpoint-3"
+TITLE = b"scree-checkpoint-4"
 
 
 def digest(options, path):

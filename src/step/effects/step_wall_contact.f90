@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact of material with boundaries of the domain from which it can separate, those with
-!! friction. Such a wall acts on a node from the time on at which particles in the cells around it
-!! have reached the wall; (R.13) of doc/theory/rigid.md. The functions of the nodes reach further,
-!! so without this test it would stop material up to a cell before it arrives.
+!> Contact of material with boundaries of the domain. A wall acts on a node from the time on at
+!! which particles in the cells around it have reached the wall; (R.13) of doc/theory/rigid.md. The
+!! functions of the nodes reach further, so without this test it would stop material up to a cell
+!! before it arrives. What arrives may leave again; what began on a wall that keeps it may not.
 module step_wall_contact
    use base_kinds, only: int64, wp
    use mesh_boundary, only: boundary_t
@@ -29,7 +29,8 @@ module step_wall_contact
    integer, parameter :: beside = 1
    !> Nearest that the middle of a particle comes to a wall before the wall acts, in half edges.
    real(wp), parameter :: nearest = 0.25_wp
-   integer(int64), parameter :: faces = 64           !! Marks of a particle are less
+   !> Marks of particles: bit n - 1 = has reached wall n, bit n + 5 = began on it.
+   integer(int64), parameter :: reached_bits = 63, began_bits = 63*64, marks_end = 4096
 
 contains
 
@@ -83,7 +84,8 @@ contains
    end function walls_wait
 
    !> Mark the particles of a tile that have reached a wall: those that touch it, those that had
-   !! reached it and are still in the cells next to it, and all others in the same cell.
+   !! reached it and are still in the cells next to it, and all others in the same cell. Those of
+   !! the first step began on it.
    pure subroutine mark_particles(space, step, dt, tile, stores, arrived)
       type(space_t), intent(in) :: space
       integer(int64), intent(in) :: step             !! Steps done
@@ -91,7 +93,7 @@ contains
       integer, intent(in) :: tile
       type(store_t), intent(inout) :: stores(:)
       real(wp), contiguous, intent(inout) :: arrived(:, :) !! (1, node) At first nodes of cells
-      integer(int64) :: marks
+      integer(int64) :: marks, begun
       integer :: cell, index, p, layer(6)
       integer, parameter :: normal(6) = [1, 1, 2, 2, 3, 3]
       logical :: near(6), here(6)
@@ -111,11 +113,15 @@ contains
             end associate
          end do
          if (marks == 0) cycle
+         begun = 0
+         if (step == 0) begun = shiftl(marks, 6)
+         marks = ior(marks, begun)
          arrived(1, space%grid%first_node(cell)) = real(marks, wp)
          do index = 1, size(stores)
             associate (store => stores(index), at => stores(index)%first(tile) - 1)
                do p = at + store%cell_start(cell, tile) + 1, at + store%cell_start(cell + 1, tile)
-                  store%touched(p) = faces*(step + 1) + marks
+                  store%touched(p) = marks_end*(step + 1) + ior(iand(marks, reached_bits), &
+                     ior(begun, iand(marks, began_before(step, store%touched(p)))))
                end do
             end associate
          end do
@@ -141,6 +147,15 @@ contains
       end do
    end subroutine find_layers
 
+   !> Bits of the walls on which a particle began and which it has not left.
+   elemental integer(int64) function began_before(step, touched) result(marks)
+      integer(int64), intent(in) :: step             !! Steps done
+      integer(int64), intent(in) :: touched          !! Marks of the particle, with their step
+
+      marks = 0
+      if (touched/marks_end == step) marks = iand(touched, began_bits)
+   end function began_before
+
    !> Marks of a particle at walls next to its cell; (R.13) of doc/theory/rigid.md.
    pure integer(int64) function marks_of(grid, near, step, dt, store, p) result(marks)
       type(grid_t), intent(in) :: grid
@@ -153,11 +168,11 @@ contains
       integer :: face, k
 
       marks = 0
-      if (store%touched(p)/faces == step) marks = mod(store%touched(p), faces)
+      if (store%touched(p)/marks_end == step) marks = mod(store%touched(p), marks_end)
       call particle_widths(grid, p, 1, store%position, store%state%volume, half)
       do face = 1, 6
          if (.not. near(face)) then
-            marks = ibclr(marks, face - 1)
+            marks = ibclr(ibclr(marks, face - 1), face + 5)
             cycle
          end if
          k = normal_direction(face)
@@ -209,11 +224,12 @@ contains
       integer, intent(in) :: cell(3)                 !! The cell, from the corner of the tile
       integer, intent(in) :: marks                   !! Boundaries that its particles have reached
       integer, intent(inout) :: reached(:)           !! (node) Bits
-      integer :: face, normal, low(3), high(3), margin(3), x, y, z, node
+      integer :: face, normal, low(3), high(3), margin(3), x, y, z, node, found
 
       margin = merge(grid%margin, 0, grid%active)
       do face = 1, 6
          if (.not. btest(marks, face - 1)) cycle
+         found = shiftl(merge(65, 1, btest(marks, face + 5)), face - 1)
          normal = normal_direction(face)
          low = cell - beside
          high = cell + 1 + beside
@@ -225,15 +241,15 @@ contains
             do y = low(2), high(2)
                do x = low(1), high(1)
                   node = 1 + dot_product([x, y, z] + margin, grid%stride)
-                  reached(node) = ibset(reached(node), face - 1)
+                  reached(node) = ior(reached(node), found)
                end do
             end do
          end do
       end do
    end subroutine reach_nodes
 
-   !> True if a particle of this rank may be near a wall in the next step that it has not reached.
-   !! Any answer gives the same results; a wrong no would not.
+   !> True if a particle of this rank may be near a wall in the next step that it has not reached,
+   !! or on which it did not begin. Any answer gives the same results; a wrong no would not.
    logical function approaches_walls(simulation) result(near)
       type(simulation_t), intent(in) :: simulation
       integer :: tile
@@ -254,7 +270,7 @@ contains
    end function approaches_walls
 
    !> True if a particle of a tile is nearer to a wall than the functions of its nodes reach,
-   !! without a mark of this step.
+   !! without the marks of this step that material has which the wall holds.
    pure logical function tile_approaches(grid, boundary, coordinate, step, tile, stores) &
       result(near)
       type(grid_t), intent(in) :: grid
@@ -264,6 +280,7 @@ contains
       integer, intent(in) :: tile                    !! Its index
       type(store_t), intent(in) :: stores(:)
       real(wp) :: reach
+      integer(int64) :: needed
       integer :: face, index, p, normal, first, from_wall
 
       near = .false.
@@ -271,6 +288,7 @@ contains
       do face = 1, 6
          if (.not. boundary%waits(grid, face)) cycle
          normal = normal_direction(face)
+         needed = shiftl(merge(65_int64, 1_int64, boundary%keeps(grid, face)), face - 1)
          ! in a step particles move by less than a cell
          first = coordinate(normal)*grid%width(normal)
          from_wall = first
@@ -281,8 +299,8 @@ contains
             associate (store => stores(index))
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (distance(grid, face, store%position(p, normal)) > reach) cycle
-                  near = .not. (store%touched(p)/faces == step .and. &
-                     btest(store%touched(p), face - 1))
+                  near = .not. (store%touched(p)/marks_end == step .and. &
+                     iand(store%touched(p), needed) == needed)
                   if (near) return
                end do
             end associate

@@ -336,7 +336,7 @@ contains
          case (forcing)
             call boundary%add_forces(grid, coordinate, dt, velocity, acceleration, only)
          case (rubbing)
-            if (boundary%has_friction()) call boundary%apply_friction(grid, coordinate, tile, &
+            if (boundary%separates()) call boundary%press(grid, coordinate, tile, &
                merge(dt, clock%dt, dt > 0.0_wp), 1.0_wp - method%transfer%flip_fraction(), free, &
                velocity, acceleration, only)
          case default
@@ -408,7 +408,7 @@ contains
       velocity = wall%condition%velocity + 0.5_wp*dt*wall%condition%acceleration
    end function middle_velocity
 
-   !> Where a wall with friction, or a rigid region, constrained a node in the step, it also
+   !> Where a wall from which material may separate pressed on a node in the step, it also
    !! constrains the straining velocity after the step. A one-sided condition would let the noise of
    !! particles lift pressed material off the wall, step by step.
    pure subroutine hold_at_walls(space, clock, motion, tile, velocity)
@@ -419,10 +419,10 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped again [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
-      if (.not. (space%boundary%has_friction() .or. allocated(space%rigid))) return
+      if (.not. (space%boundary%separates() .or. allocated(space%rigid))) return
       if (.not. walls_touch(space, tile)) return
       ended = motion%velocity(:, :, tile) + clock%kick*motion%acceleration(:, :, tile)
-      if (space%boundary%has_friction()) call space%boundary%hold_pressed(space%grid, &
+      if (space%boundary%separates()) call space%boundary%hold_pressed(space%grid, &
          space%tiles%coordinate(:, tile), tile, ended, velocity)
       if (allocated(space%rigid)) call space%rigid%keep(tile, ended, velocity)
    end subroutine hold_at_walls
