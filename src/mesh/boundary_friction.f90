@@ -19,7 +19,6 @@ module boundary_friction
       procedure :: declare => friction_declare
       procedure :: read => friction_read
       procedure, nopass :: slides => yes
-      procedure, nopass :: has_friction => yes
    end type boundary_friction_t
 
 contains

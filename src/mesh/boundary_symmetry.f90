@@ -8,10 +8,12 @@ module boundary_symmetry
 
    public :: boundary_symmetry_t
 
-   !> The material beyond is the image of that inside: nodes move as on a wall without friction.
+   !> The material beyond is the image of that inside, and both are one body where they share nodes:
+   !! nodes on the plane never leave it, as in a scene with both halves.
    type, extends(boundary_slip_t) :: boundary_symmetry_t
    contains
       procedure, nopass :: meaning => symmetry_meaning
+      procedure, nopass :: waits => no
       procedure, nopass :: mirrors => yes
       procedure, nopass :: suits_part => no
    end type boundary_symmetry_t

@@ -32,7 +32,6 @@ module mesh_boundary_condition
       procedure, nopass :: waits => no             !! Does it act from the contact on?
       procedure, nopass :: keeps => yes            !! Does it hold material that began on it?
       procedure, nopass :: slides => no            !! May material move along it?
-      procedure, nopass :: has_friction => no      !! Does it resist that motion?
       procedure, nopass :: absorbs_waves => no     !! Does it add forces?
       procedure, nopass :: acts_on_nodes => yes    !! Does it change velocities of nodes?
       procedure, nopass :: suits_part => yes       !! Allowed on a part of a boundary?

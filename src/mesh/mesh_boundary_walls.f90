@@ -276,15 +276,13 @@ contains
       end do
    end function walls_keeps
 
-   !> True if a wall acts where material has reached it. An axis of symmetry is no wall.
+   !> True if a wall acts where material has reached it.
    pure logical function walls_waits_at(self, grid, n) result(waits)
       class(boundary_walls_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: n                       !! Wall
 
-      associate (wall => self%wall(n))
-         waits = wall%condition%waits() .and. grid%active(normal_direction(wall%face)) &
-            .and. .not. (grid%axisymmetric .and. wall%face == 1)
-      end associate
+      waits = self%wall(n)%condition%waits() .and. &
+         grid%active(normal_direction(self%wall(n)%face))
    end function walls_waits_at
 end module mesh_boundary_walls

@@ -58,8 +58,9 @@ module particle_store
       real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation around it [1/s]
       !> (particle, 9) Half of the strain of the last step, applied before the move [1]
       real(wp), allocatable :: ahead(:, :)
-      !> 64 times the steps done when it was last next to a boundary that it has reached, and bit
-      !! n - 1 for boundary n
+      logical :: wets = .false.                       !! Does it stay on walls that it reaches?
+      !> 4096 times the steps done when it was last next to a boundary that it has reached, and bit
+      !! n - 1 for boundary n, bit n + 5 if it began there
       integer(int64), allocatable :: touched(:)
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       type(origin_t) :: origin                        !! What is known of the start

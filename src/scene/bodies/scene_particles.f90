@@ -8,7 +8,7 @@ module scene_particles
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use material_flaws, only: flaw_blocks_t
-   use material_kinds, only: is_gas, is_loose
+   use material_kinds, only: is_fluid, is_gas, is_loose
    use material_stages, only: effect_count, effect_names
    use material_state, only: has_energy
    use material_type, only: material_t
@@ -122,6 +122,7 @@ contains
                simulation%space%grid%tile_cells, &
                traits)
             store%material = index
+            store%wets = is_fluid(simulation%materials(index))
             if (allocated(simulation%effects%contact)) store%material = &
                simulation%effects%contact%material(index)
             if (allocated(simulation%effects%exact)) then

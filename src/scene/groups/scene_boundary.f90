@@ -211,7 +211,7 @@ contains
       if (allocated(condition)) then
          ! material in plane strain is between mirrors and does not move along y
          if (direction == 2 .and. dimension == "plane_strain" .and. condition%slides() .and. &
-            .not. (condition%has_friction() .or. boundary%given("region") .or. &
+            condition%keeps() .and. .not. (boundary%given("region") .or. &
             boundary%given("temperature") .or. boundary%given("t_on") .or. &
             boundary%given("t_off"))) return
       end if

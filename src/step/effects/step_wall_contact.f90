@@ -2,7 +2,8 @@
 !> Contact of material with boundaries of the domain. A wall acts on a node from the time on at
 !! which particles in the cells around it have reached the wall; (R.13) of doc/theory/rigid.md. The
 !! functions of the nodes reach further, so without this test it would stop material up to a cell
-!! before it arrives. What arrives may leave again; what began on a wall that keeps it may not.
+!! before it arrives. Solids that arrive may leave again; what began on a wall that keeps it may
+!! not.
 module step_wall_contact
    use base_kinds, only: int64, wp
    use mesh_boundary, only: boundary_t
@@ -85,7 +86,8 @@ contains
 
    !> Mark the particles of a tile that have reached a wall: those that touch it, those that had
    !! reached it and are still in the cells next to it, and all others in the same cell. Those of
-   !! the first step began on it.
+   !! the first step began on it; fluids are taken for such from their arrival on, because they wet
+   !! it.
    pure subroutine mark_particles(space, step, dt, tile, stores, arrived)
       type(space_t), intent(in) :: space
       integer(int64), intent(in) :: step             !! Steps done
@@ -113,18 +115,19 @@ contains
             end associate
          end do
          if (marks == 0) cycle
-         begun = 0
-         if (step == 0) begun = shiftl(marks, 6)
-         marks = ior(marks, begun)
-         arrived(1, space%grid%first_node(cell)) = real(marks, wp)
          do index = 1, size(stores)
             associate (store => stores(index), at => stores(index)%first(tile) - 1)
+               if (store%cell_start(cell + 1, tile) == store%cell_start(cell, tile)) cycle
+               begun = 0
+               if (step == 0 .or. store%wets) begun = shiftl(iand(marks, reached_bits), 6)
+               marks = ior(marks, begun)
                do p = at + store%cell_start(cell, tile) + 1, at + store%cell_start(cell + 1, tile)
                   store%touched(p) = marks_end*(step + 1) + ior(iand(marks, reached_bits), &
                      ior(begun, iand(marks, began_before(step, store%touched(p)))))
                end do
             end associate
          end do
+         arrived(1, space%grid%first_node(cell)) = real(marks, wp)
       end do
    end subroutine mark_particles
 
