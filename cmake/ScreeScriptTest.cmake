@@ -6,7 +6,7 @@
 # Lines in the head of a test file:
 #   # tiers: smoke, full, long    in which tiers it does something of its own (default: full)
 #   # timeout: 300                seconds; `# timeout long: 3600` for one tier
-#   # cores: 2                    how many it keeps busy at once (default: 1)
+#   # cores: 2                    how many it keeps busy for most of its time (default: 1)
 # A file is registered once for each of its tiers: as NAME for full,
 # NAME.smoke and NAME.long for the others. A test whose only mark is `smoke` is the same in smoke and
 # full and is registered once, with both labels; so is one whose only mark is `long`, as NAME.

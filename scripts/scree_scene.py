@@ -13,6 +13,7 @@ invisible marks: <!--=hole-->17.5<!--=--> mm. --write replaces it by the value o
 and numbers with the runs. The text around a number can be changed freely.
 """
 import argparse
+import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -101,6 +102,14 @@ class Table:
         return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines) + "\n"
 
 
+def cell_of(settings):
+    """The size of cells in the settings of a run, for an order by size; runs with that of the deck are the last."""
+    try:
+        return float(settings["grid.dx"])
+    except (KeyError, TypeError, ValueError):
+        return math.inf
+
+
 class Study:
     """The runs of a scene, the quantities measured in them, and the functions that draw them.
 
@@ -183,6 +192,7 @@ class Study:
         for deck in dict.fromkeys(deck for deck, _ in chosen.values()):
             some = [study.Combination(values, str(options.out / name), name)
                     for name, (other, values) in chosen.items() if other == deck]
+            some.sort(key=lambda one: cell_of(one.settings))     # the longest run does not begin last
             study.Study((self.folder / deck).resolve(), program=options.scree, threads=threads, overwrite=True).all(
                 some, program.jobs_for(threads), self.refuse_failed)
         return {name: Run(options.out / name, name) for name in chosen}

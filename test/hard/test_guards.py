@@ -119,10 +119,10 @@ def test_state_before(options, sheet):
 def test_what_limits(options, sheet):
     """Steps are counted by what limits them."""
     deck = DECK.format(time="", law="elastic", checkpoint="at_end=.false.")
-    for words, rule in (("time.dt_max=1.0e-3", "deck"), ("time.dt_fixed=1.0e-3", "deck"),
-                        ("time.strain_max=1.0e-3", "strain"), ("time.cfl=0.3", "signal")):
+    for words, rule, end in (("time.dt_max=1.0e-3", "deck", 0.3), ("time.dt_fixed=1.0e-3", "deck", 0.3),
+                             ("time.strain_max=1.0e-3", "strain", 0.05), ("time.cfl=0.3", "signal", 0.3)):
         run = case.Case(options, f"limits_{words[5:10]}", deck)
-        run.run("-q", "-s", words, "-s", "time.t_end=0.3")
+        run.run("-q", "-s", words, "-s", f"time.t_end={end}")
         limits = run.summary["steps_limited_by"]
         sheet.require(sum(limits.values()) == run.summary["steps"], f"limits: all steps: {limits}")
         sheet.require(limits[rule] > 0.5 * run.summary["steps"], f"{words}: {limits}")

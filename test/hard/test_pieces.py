@@ -14,7 +14,6 @@ the greatest tension of the line load, 2 P/(pi D t), is the strength (G. Hondros
 %.
 """
 # tiers: smoke, full
-# cores: 2
 # timeout: 600
 
 import numpy as np

@@ -260,9 +260,9 @@ def test_local_load(options, sheet):
     """A load on a small part is no instability."""
     rows = [("small", {}), ("large", {"size": 10})]
     if tier.NAME != "smoke":
-        rows += [("fine", {"size": 5, "dx": 0.05}), ("pressure", {"size": 6, "load": "pressure=5"}),
+        rows += [("fine", {"dx": 0.05}), ("pressure", {"size": 6, "load": "pressure=5"}),
                  ("shear", {"size": 6, "load": "traction=5,0,0  normal=0,0,1"}),
-                 ("space", {"size": 2, "dimension": "3d"}),
+                 ("space", {"size": 1.5, "dimension": "3d"}),
                  ("heavy", {"size": 6, "effects": "gravity=.true.  gravity_vector=0,0,-0.01"}),
                  ("late", {"size": 6, "end": 1.0})]
     for name, how in rows:

@@ -29,8 +29,10 @@ ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post"
              "build/bin/scree [options]": "a pattern", "build/bin/scree scene.nml & sleep": "test_first_hour.py",
              "build/bin/scree --check bad.nml": "test_documents.py", "ctest": "the tests themselves"}
 FEW = ("--set", "time.max_steps=3")
-SPHERES = ("grains.number=64", *(f"stage[{name}].strain=0.05" for name in ("fast", "middle_1", "middle_2", "slow_1",
-                                                                           "slow_2")))
+SPHERES = ("grains.number=64", "stage[compress].duration=0.01",
+           *(f"stage[{name}].strain=0.05" for name in ("fast", "middle_1", "middle_2", "slow_1", "slow_2")))
+DISCS = ("stage[compress].duration=0.02", *(f"stage[{name}].duration=0.005" for name in ("stop_fast", "stop_slow")),
+         *(re.sub(r"strain=.*", "strain=0.05", word) for word in RUNS["grain_cell"][1]))
 SMALLEST = ("--only", "line", "--repeat", "1", "--size", "small")
 NO_RUN = ("--check", "--preview", "--template", "--list", "--new", "--job", "--digest", "--explain")
 LEAST = 60                             # least number of commands in the documents
@@ -81,7 +83,7 @@ class Clone:
             if "build/bin/scree" in words:      # without binding: the machine may have fewer cores
                 words[3:] = words[words.index("build/bin/scree"):]
         if not any(word in NO_RUN for word in words):
-            few = SPHERES if words[-1].endswith("spheres.nml") else RUNS["grain_cell"][1]
+            few = SPHERES if words[-1].endswith("spheres.nml") else DISCS
             words += FEW if "--grains" not in words else [word for setting in few for word in ("--set", setting)]
             # the commands of all pages run in one folder
             if "--restart" not in words:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: full
 # timeout: 200
-# cores: 2
 """Statistics of scree-post fragments: rotation and shape, bonds, distributions, comparisons, ensembles of seeds.
 
 Snapshots with known answers; the last tests run a small bar with two cell sizes. The first line of each test states

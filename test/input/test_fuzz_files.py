@@ -2,7 +2,6 @@
 # tiers: smoke, full, long
 # timeout: 300
 # timeout long: 3600
-# cores: 2
 """Input files with random damage: a deck that names them is accepted, or refused with a message.
 
 Would catch a crash, a hang, a size in a file that is trusted without a check, and a file that is refused without a

@@ -37,8 +37,24 @@ def await_file(path, child=None):
 
 
 def contents(folder, without=()):
-    """Files of a folder with their contents."""
-    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file() and path.name not in without}
+    """Files of a folder with their contents; of a lock without its last word, the sign of life every ten seconds."""
+    files = [path for path in folder.iterdir() if path.is_file() and path.name not in without]
+    return {path.name: path.read_bytes().split()[:-1] if path.suffix == ".lock" else path.read_bytes()
+            for path in files}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def watching(file_options):
+    """A run that watches the lock of a host that has ended, for half a minute beside the other tests; its process and
+    when it began [s]."""
+    run = case.Case(file_options, "watching", DECK)
+    run.guarded = True
+    run.path(".lock").write_text(OTHER.format(beat=1700000000), encoding="utf-8")
+    begin = time.time()
+    child = run.start("--restart")
+    yield run, child, begin
+    child.kill()
+    child.wait(timeout=60)
 
 
 class TestLock:
@@ -136,17 +152,6 @@ class TestLock:
         assert "waiting until it is clear whether process 17 on host 'node7'" in output
         assert lock.read_text(encoding="utf-8") == OTHER.format(beat=1700000010)
 
-    def test_other_host_that_has_ended(self, options):
-        """Would catch a lock of another host that is taken over before it was watched for three signs of life, or
-        never."""
-        run = self.run_of(options)
-        run.path(".lock").write_text(OTHER.format(beat=1700000000), encoding="utf-8")
-        begin = time.monotonic()
-        run.run("--restart")
-        assert 29 < time.monotonic() - begin < 100
-        assert "the lock of an earlier run, process 17 on host 'node7'" in run.output
-        assert not run.path(".lock").exists()
-
     def test_lost_lock(self, options):
         """Would catch a run that goes on writing although another host has taken over its files."""
         run = self.run_of(options)
@@ -198,3 +203,13 @@ class TestLock:
             assert answer.returncode == 2, answer.stderr
             assert answer.stderr.count("the ranks have different decks, options or versions of scree") == 1
         assert not (run.folder / "out").exists()
+
+    def test_other_host_that_has_ended(self, watching):
+        """Would catch a lock of another host that is taken over before it was watched for three signs of life, or
+        never."""
+        run, child, begin = watching
+        output, _ = child.communicate(timeout=100)
+        assert child.returncode == 0, output
+        assert 29 < run.path(".summary.json").stat().st_mtime - begin < 100
+        assert "the lock of an earlier run, process 17 on host 'node7'" in output
+        assert not run.path(".lock").exists()

@@ -10,6 +10,7 @@ import os
 import re
 import shlex
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,6 +27,8 @@ DOCUMENTS = ("README.md", "doc/learn/first_deck.md", "doc/guide/post_processing.
              "doc/guide/fragments.md", "doc/reference/matter_outputs.md", "doc/guide/grain_cell.md",
              "doc/reference/materials.md", "doc/guide/shapes.md", "input/debris_cloud/README.md")
 LEAST = 20               # least number of commands in the documents
+BEGIN = {"taylor_copper": 20, "two_discs": 1}            # of runs by the folder of their deck, in units of the deck
+DRAWING = ("picture", "movie", "radiograph")
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +66,10 @@ def words_of(line, options):
         words[words.index("--seeds") + 1] = "2"
     if words[0] in ("accuracy", "validate") or "--seeds" in words:
         words += ["--scree", str(options.scree)]
+    if words[0] == "accuracy":                           # the begin of the run, with the cells of the document
+        words += ["--set", f"time.t_end={BEGIN[Path(words[1]).parent.name]}"]
+    if words[0] in DRAWING and "--dpi" not in words and not line.endswith((".pdf", ".nml")):
+        words += ["--dpi", "80"]                         # test_post_pictures draws with the default
     try:
         film.encoder()
     except ScreeError:

@@ -175,7 +175,7 @@ def test_space_picture(options):
                         "turned": ("--camera", "30,60"), "large": ("--zoom", "2")}.items():
         out = options.work / f"space_{name}.png"
         good(call("picture", base, "--view", "-20mm", "20mm", "-20mm", "20mm", "--camera", "z",
-                  "--colour", "failed", "--title", "", "--out", out, *words))
+                  "--colour", "failed", "--title", "", "--dpi", "80", "--out", out, *words))
         image = pixels(out)
         # shaded spheres: all that is not grey, left of the legend
         part = image[int(0.1 * len(image)):, :int(0.72 * image.shape[1])]
@@ -192,7 +192,8 @@ def test_fragment_picture(options):
     ones."""
     out = options.work / "fragments.png"
     base = options.work / "out" / "debris_cloud_3d"
-    good(call("picture", base, "--colour", "fragment", "--camera", "z", "--title", "", "--out", out))
+    good(call("picture", base, "--colour", "fragment", "--camera", "z", "--title", "", "--dpi", "100", "--out",
+              out))
     snap = scree_post.snapshot(scree_post.series(series(options.work, "debris_cloud_3d"))[-1][1])
     assert set(snap.fields["fragment"]) == {1}, "at this time the sphere still sits in the sheet"
     image = pixels(out)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
-# cores: 2
 """`scree --preview`, the file of walls of each run, and both in pictures.
 
 Would catch: a rigid region that is drawn too large, too small or elsewhere, cut at the box where it enters later, or

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
 # timeout: 600
-# cores: 2
 """The Python package in the folder python: its tests by pytest, its style by ruff, its types by mypy, and its
 installation.
 

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke, full
-# cores: 2
 """scree --self-test: detected errors, leftover files, requirements.
 
 Would catch: a self-test that passes with wrong digests, digests that were not updated after a change of results, files
@@ -44,12 +43,18 @@ def kind_of(output):
     return re.search(r"^self-test scree [^,]+, ([^,]+), ", output, re.M).group(1)
 
 
+@pytest.fixture(scope="module")
+def passed(file_options):
+    """Output and errors of the program that is tested."""
+    return self_test(file_options.scree, file_options.work / "whole")
+
+
 class TestSelfTest:
     """The self-test of the program that is tested."""
 
-    def test_passes(self, options):
+    def test_passes(self, passed):
         """Would catch a scene that is not run, and one in which nothing moves."""
-        said, wrong = self_test(options.scree, options.work / "whole")
+        said, wrong = passed
         rows = ROW.findall(said)
         decks = sorted(path.stem for path in FILE.parent.glob("*.nml"))
         assert [row[0] for row in rows] == decks, said
@@ -59,14 +64,14 @@ class TestSelfTest:
         assert re.search(r"^passed +\d+ checks in \d+ s$", said, re.M)
         assert wrong == ""
 
-    def test_digests_are_renewed(self, options):
+    def test_digests_are_renewed(self, options, passed):
         """The recorded digests are those of this build; those of GCC 12 on x86-64 are always recorded."""
         answer = subprocess.run([sys.executable, case.ROOT / "scripts/self_test_digests.py", "--check", "--scree",
                                  options.scree], text=True, capture_output=True, check=False,
                                 env={**os.environ, **case.OPEN_MPI})
         known = FILE.read_text(encoding="utf-8")
         assert "\nx86_64 gfortran 12,discs," in known
-        said, _ = self_test(options.scree, options.work / "kind")
+        said, _ = passed
         if kind_of(said) + "," not in known:
             assert "no digests are recorded for this kind of build" in said
             pytest.skip(f"no digests of {kind_of(said)} are recorded")
@@ -84,9 +89,9 @@ class TestSelfTest:
         assert [row[3] for row in ROW.findall(said)] == digests
         assert len(digests) > 5
 
-    def test_wrong_digest(self, options):
+    def test_wrong_digest(self, options, passed):
         """A program in which one recorded digest is wrong fails, and reports the scene."""
-        said, _ = self_test(options.scree, options.work / "right")
+        said, _ = passed
         rows = [line.split(",") for line in FILE.read_text(encoding="utf-8").splitlines()]
         digest = {tuple(row[:2]): row[2] for row in rows}.get((kind_of(said), "sand"))
         if digest is None:

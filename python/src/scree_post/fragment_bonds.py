@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
 
 from scree.drawing.shape import images, particle_size
 from scree.errors import FileProblem
@@ -101,6 +100,7 @@ def bonded_pieces(bonds: Bonds, owner: Array, points: Array, wrap: tuple[Box, Se
     if len(owner) == 0:
         return np.zeros(0, np.int64)
     count = len(bonds.width)
+    from scipy.sparse import coo_array
     reach = coo_array((np.concatenate([bonds.length, bonds.width]),
                        (np.concatenate([bonds.pairs[:, 0], np.arange(count)]),
                         np.concatenate([bonds.pairs[:, 1], np.arange(count)]))), shape=(count, count)).tocsr()

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import optimize, stats
 
 if TYPE_CHECKING:
     from scree.arrays import Array
@@ -116,6 +115,7 @@ def likelihood(ratio: Array, shape: float) -> float:
 
 def best_shape(ratio: Array) -> float:
     """Exponent of the greatest likelihood."""
+    from scipy import optimize
     found = optimize.minimize_scalar(lambda shape: -likelihood(ratio, shape), bounds=SHAPES, method="bounded")
     return float(found.x)
 
@@ -175,6 +175,7 @@ def compared(one: Sample, other: Sample, least: float) -> Comparison:
     distance = probability = np.nan
     samples = one.masses(least), other.masses(least)
     if min(map(len, samples)) >= FEWEST:
+        from scipy import stats
         test = stats.ks_2samp(*(np.array([float(f"{mass:.6g}") for mass in masses]) for masses in samples))
         distance, probability = float(test.statistic), float(test.pvalue)
     both = sorted(set(one.seeds) & set(other.seeds))

@@ -6,9 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from scree.drawing.box import Box
 
@@ -21,6 +18,7 @@ def close_pairs(points: Array, reach: Array, factor: float) -> Array:
 
     points  (n, axes) [m];  reach  (n) [m]
     """
+    from scipy.spatial import cKDTree
     pairs = cKDTree(points).query_pairs(factor * float(reach.max()), output_type="ndarray")
     one, other = pairs.T
     distance = np.linalg.norm(points[one] - points[other], axis=1)
@@ -29,6 +27,7 @@ def close_pairs(points: Array, reach: Array, factor: float) -> Array:
 
 def touching_cells(points: Array, width: float) -> Array:
     """Pairs (n, 2) that connect points of the same cell and of cells that touch, including those at corners."""
+    from scipy.spatial import cKDTree
     cells = np.floor((points - points.min(axis=0)) / width)
     different, first, inverse = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     neighbours = cKDTree(different).query_pairs(1.5, p=np.inf, output_type="ndarray")
@@ -68,5 +67,7 @@ def find_pieces(points: Array, reach: Array, factor: float = 1.5, cell: float | 
 
 def connected(one: Array, other: Array, count: int) -> Array:
     """Index of the connected group of each of `count` points, from pairs of their rows."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
     links = coo_array((np.ones(len(one), bool), (one, other)), shape=(count, count))
     return np.asarray(connected_components(links, directed=False)[1])

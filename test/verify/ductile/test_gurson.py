@@ -17,7 +17,6 @@ flow violates, wrong keys accepted.
   that of von_mises in the same scene plus 1e-3 of the energy. The same bits for any ranks and threads.
 """
 # tiers: smoke, full
-# cores: 2
 # timeout: 240
 
 import numpy as np

@@ -10,7 +10,6 @@ that depend on ranks, threads or a restart.
 """
 # tiers: full
 # timeout: 200
-# cores: 2
 
 import math
 

@@ -17,7 +17,6 @@ work that the program computes with a wrong sign or factor; a damage model that 
 * An elastic law that returns the whole stress (`stress whole`) rotates and strains as the built-in elastic law: the
   stresses of a bar that turns and vibrates agree to rounding.
 """
-# cores: 2
 # timeout: 240
 
 import math

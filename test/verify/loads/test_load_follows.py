@@ -133,7 +133,7 @@ def test_flight(options, sheet, method):
 
 def test_bits(options, sheet):
     """Ranks, threads and a restart."""
-    deck = RING.format(method="ddmp", words="", size=0.025, spin=20.94, end=0.02, every=0.02)
+    deck = RING.format(method="ddmp", words="", size=0.025, spin=20.94, end=0.005, every=0.005)
     deck = deck.replace("at_end=.false.", "keep=1")
     one = case.Case(options, "one", deck).run("-q").summary["digest"]
     many = case.Case(options, "many", deck, ranks=3, threads=2).run("-q").summary["digest"]

@@ -11,6 +11,7 @@ scenes that take seconds; tier long: all scenes with measured figures, which tak
 # timeout long: 7200
 # cores: 2
 
+import os
 import shutil
 import subprocess
 import sys
@@ -38,7 +39,9 @@ def test_scene(options, sheet, scene):
     shutil.rmtree(options.work / scene, ignore_errors=True)     # runs of another program with the same version
     answer = subprocess.run(
         [sys.executable, ROOT / "input" / scene / "measure.py", "--scree", options.scree, "--out",
-         options.work / scene, "--check"], capture_output=True, text=True, check=False)
+         options.work / scene, "--check"], capture_output=True, text=True, check=False,
+        # one thread for each run, and one run for each core
+        env={**os.environ, "OMP_NUM_THREADS": "1"})
     sheet.require(answer.returncode == 0,
                   f"{scene}: figures of the README {(answer.stdout + answer.stderr)[-600:]}")
 

@@ -15,7 +15,6 @@ table that is accepted, one error that hides the next.
 * Any ranks and threads, and restart: the same bits.
 """
 # tiers: smoke, full
-# cores: 2
 # timeout: 240
 
 import subprocess

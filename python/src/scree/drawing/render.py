@@ -7,6 +7,7 @@ which shows the depth of a cloud (T. Luft, C. Colditz and O. Deussen, ACM Trans.
 """
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -53,6 +54,20 @@ def disc_offsets(reach: int) -> list[tuple[int, int]]:
             if max(abs(i) - 1, 0) ** 2 + max(abs(j) - 1, 0) ** 2 < (reach + 1) ** 2]
 
 
+def put(depth: Array, owner: Array, number: int, column: float, row: float, near: float, radius: float) -> None:
+    """Draw one sphere into depth and owner (height, width): what `splat` does with few large spheres."""
+    high, wide = depth.shape
+    reach = math.ceil(radius)
+    columns = slice(max(math.floor(column) - reach, 0), min(math.floor(column) + reach + 1, wide))
+    rows = slice(max(math.floor(row) - reach, 0), min(math.floor(row) + reach + 1, high))
+    apart = (np.arange(columns.start, columns.stop) + 0.5 - column) ** 2 \
+        + (np.arange(rows.start, rows.stop)[:, None] + 0.5 - row) ** 2
+    height = near + np.sqrt(np.maximum(radius ** 2 - apart, 0.0))
+    front = (apart < radius ** 2) & (height > depth[rows, columns])
+    depth[rows, columns][front] = height[front]
+    owner[rows, columns][front] = number
+
+
 def splat(column: Array, row: Array, near: Array, radius: Array, shape: tuple[int, int]) -> tuple[Array, Array]:
     """Depth and index of the foremost sphere in each pixel of an image (height, width); -inf and -1 where there is
     none.
@@ -67,9 +82,15 @@ def splat(column: Array, row: Array, near: Array, radius: Array, shape: tuple[in
                                 & (row > -size) & (row < high + size))
         if not len(chosen):
             continue
+        offsets = disc_offsets(int(size))
+        if len(chosen) < len(offsets):                   # a loop over the fewer of spheres and pixels of one
+            for number in chosen:
+                put(depth.reshape(shape), owner.reshape(shape), int(number), column[number], row[number], near[number],
+                    radius[number])
+            continue
         c, r, z, squared = column[chosen], row[chosen], near[chosen], radius[chosen] ** 2
         c0, r0 = np.floor(c).astype(int), np.floor(r).astype(int)
-        for i, j in disc_offsets(int(size)):
+        for i, j in offsets:
             apart = (c0 + i + 0.5 - c) ** 2 + (r0 + j + 0.5 - r) ** 2
             inside = ((apart < squared) & (c0 + i >= 0) & (c0 + i < wide) & (r0 + j >= 0) & (r0 + j < high))
             rows = np.flatnonzero(inside)

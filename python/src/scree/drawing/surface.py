@@ -27,6 +27,7 @@ SMOOTH = 0.8             # standard deviation of the smoothing over that width
 MOST = {2: 4.0e6, 3: 4.0e7}    # cells of the grid; the pitch grows with more
 MOST_PARTS = {2: 40, 3: 12}    # along an edge of a particle
 FEW = 6                  # particles whose colours are mixed at a place
+BLOCK = 2                # pixels along a side of the squares with one colour in space, as a pixel of the page
 
 
 class Filling:
@@ -158,7 +159,12 @@ def cast(seen: Array, size: Array, tint: Array, window: Window, shape: Sequence[
                       for step in 1.5 * filling.pitch * np.eye(3)], axis=1)
     slope /= np.maximum(np.linalg.norm(slope, axis=1), 1.0e-30)[:, None]
     within = some[~loose[some]]
-    return loose, near.reshape(high, wide), np.hstack([slope, mixed(seen[within], tint[within], places)])
+    # one colour for the pixels of a block that are equally far, since a particle is wider
+    layer = np.floor((near[hit] - filling.low[2]) / filling.pitch).astype(np.int64)
+    keys = (layer * high + hit // wide // BLOCK) * wide + hit % wide // BLOCK
+    _, first, block = np.unique(keys, return_index=True, return_inverse=True)
+    colour = mixed(seen[within], tint[within], places[first])[block.ravel()]
+    return loose, near.reshape(high, wide), np.hstack([slope, colour])
 
 
 def strike(filling: Filling, window: Window, pixel: float, wide: int, near: Array) -> Array:
@@ -184,15 +190,25 @@ def strike(filling: Filling, window: Window, pixel: float, wide: int, near: Arra
         return np.asarray((1.0 - a) * ((1.0 - b) * flat[at] + b * flat[at + 1])
                           + a * ((1.0 - b) * flat[at + across] + b * flat[at + across + 1]))
 
-    seen = planes.max(axis=0).ravel()
-    alive = np.flatnonzero(np.maximum.reduce([seen[corner + step] for step in (0, 1, across, across + 1)]) >= HALF)
-    before = np.zeros(len(alive), np.float32)
+    def reached(filled: Array) -> Bools:
+        """Squares of the plane with a corner that is filled, as an array for `corner`."""
+        some = filled >= HALF
+        some[:-1] |= some[1:]
+        some[:, :-1] |= some[:, 1:]
+        return np.asarray(some.ravel())
+
+    alive = np.flatnonzero(reached(planes.max(axis=0))[corner])
     for number in range(len(depth) - 1, -1, -1):
-        now = level(number, alive)
-        met = now >= HALF
-        share = (HALF - before[met]) / (now[met] - before[met])
-        near[left[alive[met]]] = depth[number] + (1.0 - share) * filling.pitch
-        alive, before = alive[~met], now[~met]
+        tried = np.flatnonzero(reached(planes[number])[corner[alive]])    # a mean of less is less
+        if not len(tried):
+            continue
+        now = level(number, alive[tried])
+        met = tried[now >= HALF]
+        ray = alive[met]
+        before = level(number + 1, ray) if number + 1 < len(depth) else np.zeros(len(ray), np.float32)
+        share = (HALF - before) / (now[now >= HALF] - before)
+        near[left[ray]] = depth[number] + (1.0 - share) * filling.pitch
+        alive = np.delete(alive, met)
         if not len(alive):
             break
     return np.flatnonzero(near > -np.inf)

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from . import cell_run, statistics
 from .statistics import least_on_grid, least_on_plane, linear_fit
@@ -72,6 +71,7 @@ def exponential_age(mean: float, window: float) -> float:
     """gamma of a survival law exp(-a/gamma) from the mean age below `window`."""
     if not 0.0 < mean < 0.49 * window:
         return float("nan")                              # no decay within the window
+    from scipy.optimize import brentq
     return float(brentq(lambda gamma: truncated_mean(gamma, window) - mean, 1.0e-3 * mean, 100.0 * window,
                         xtol=1.0e-14 * mean, rtol=1.0e-13))
 
