@@ -56,7 +56,7 @@ BLOCK = """&run dimension = 'plane_strain' /
 &material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
 &region name = 'block'  shape = 'box'  lo = 1 0 1  hi = 3 1 3 /
 &body name = 'one'  region = 'block'  material = 'rubber'  velocity = 5 0 0 /
-&boundary face = 'all'  type = 'slip' /
+&boundary face = 'all'  type = 'symmetry' /
 """
 FREE = "&time t_end = 2 /\n"
 INSIDE_OUT = BLOCK.replace("dt_fixed = 0.08", "dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0").replace(
