@@ -17,8 +17,8 @@ module mesh_boundary
    type, extends(boundary_walls_t) :: boundary_t
       logical :: warm(6) = .false.                   !! (face) Has it a given temperature?
       real(wp) :: temperature(6) = 0.0_wp            !! (face) That temperature [K]
-      !> (node, tile) Bit n - 1 = material has reached boundary n there, bit n + 5 = some of it began
-      !! there; not allocated if no material approaches a boundary: then all has reached them
+      !> (node, tile) Bit n - 1 = material has reached boundary n there, bit n + 5 = some is held by
+      !! it; not allocated if no material approaches a boundary: then all has reached them
       integer, allocatable :: reached(:, :)
    contains
       procedure :: touches => boundary_touches       !! Does a tile have nodes on such a boundary?

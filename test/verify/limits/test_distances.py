@@ -132,8 +132,8 @@ def test_wall(options, sheet, wall, method, cell):
     sheet.below(f"{wall}, {method}, cells of {cell} m: cells from the wall at the first force",
                 abs(gap - rows["time"][slower[0]]) / cell, 0.1)
     if (wall, method) == ("slip", "ddmp"):
-        sheet.known("flat block of 8 cells: energy lost in the bounce", -run.summary["ledger"]["energy_error"], limit=0.07,
-                    target=0.01)
+        sheet.known("flat block of 8 cells: energy lost in the bounce", -run.summary["ledger"]["energy_error"],
+                    limit=0.07, target=0.01)
 
 
 @pytest.mark.parametrize("wall", ["rigid region", "boundary of type velocity"])
@@ -141,7 +141,8 @@ def test_other_walls(options, sheet, wall):
     """The same for walls that act on all material in the cells next to them."""
     deck = WALL.format(method="ddmp", cell=0.05, width=2.0, wall="'velocity' velocity=0,0,0")
     if wall == "rigid region":
-        deck = deck.replace("'velocity' velocity=0,0,0", "'slip'").replace("lo=0,0,0 hi=2.0,1,2.0", "lo=0,0,-0.2 hi=2,1,1.2").replace(
+        deck = deck.replace("'velocity' velocity=0,0,0", "'slip'")
+        deck = deck.replace("lo=0,0,0 hi=2.0,1,2.0", "lo=0,0,-0.2 hi=2,1,1.2").replace(
             "&boundary face='zlo'", "&region name='f' shape='box' lo=0,0,-0.2 hi=2,1,0 /\n&boundary region='f'")
     run = case.Case(options, wall.replace(" ", "_"), deck).run("-q")
     rows = case.post().history(str(run.path("_gauge.csv")))
