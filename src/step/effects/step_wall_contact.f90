@@ -11,7 +11,7 @@ module step_wall_contact
    use mesh_boundary_nodes, only: has_boundary_nodes
    use mesh_grid, only: grid_t
    use mesh_patch, only: clear_patch, ensure_patch, extent_of
-   use mesh_tiles, only: neighbors, shift_to, tiles_t
+   use mesh_tiles, only: neighbors, shift_to
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_simulation, only: simulation_t, space_t
@@ -67,8 +67,8 @@ contains
             allocate (space%boundary%reached(space%grid%tile_nodes, space%tiles%all))
             !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
             do tile = 1, simulation%space%tiles%all
-               call find_reached_nodes(simulation%space%grid, simulation%space%tiles, &
-                  simulation%space%arrived, tile, simulation%space%boundary%reached(:, tile))
+               call find_reached_nodes(simulation%space, tile, &
+                  simulation%space%boundary%reached(:, tile))
             end do
             !$omp end parallel do
          end if
@@ -197,27 +197,32 @@ contains
 
    !> Nodes of a tile, its margin included, at which a wall acts: those of cells with marked
    !! particles, and of the cells beside them along the wall.
-   pure subroutine find_reached_nodes(grid, tiles, arrived, tile, reached)
-      type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles
-      real(wp), contiguous, intent(in) :: arrived(:, :, :) !! (1, node, tile) By cells
+   pure subroutine find_reached_nodes(space, tile, reached)
+      type(space_t), intent(in) :: space
       integer, intent(in) :: tile
       integer, intent(inout) :: reached(:)           !! (node) Bits
-      integer :: place, other, cell, marks, extent(3), origin(3)
+      integer :: place, other, cell, extent(3), origin(3), layer(6)
+      logical :: near(6)
 
       reached = 0
-      extent = extent_of(grid, tiles, tile)
-      do place = 1, neighbors
-         other = tiles%neighbor(place, tile)
-         if (other == 0) cycle
-         origin = merge(extent, merge(-extent_of(grid, tiles, other), 0, &
-            shift_to(:, place) == -1), shift_to(:, place) == 1)
-         do cell = 0, grid%tile_cells - 1
-            marks = nint(arrived(1, grid%first_node(cell), other))
-            if (marks > 0) call reach_nodes(grid, extent, origin + grid%cell_position(:, cell), &
-               marks, reached)
+      associate (grid => space%grid, tiles => space%tiles)
+         extent = extent_of(grid, tiles, tile)
+         do place = 1, neighbors
+            other = tiles%neighbor(place, tile)
+            if (other == 0) cycle
+            ! most tiles have no cells at a wall
+            call find_layers(grid, space%boundary, tiles%coordinate(:, other), near, layer)
+            if (.not. any(near)) cycle
+            origin = merge(extent, merge(-extent_of(grid, tiles, other), 0, &
+               shift_to(:, place) == -1), shift_to(:, place) == 1)
+            do cell = 0, grid%tile_cells - 1
+               associate (marks => space%arrived(1, grid%first_node(cell), other))
+                  if (marks > 0.0_wp) call reach_nodes(grid, extent, &
+                     origin + grid%cell_position(:, cell), nint(marks), reached)
+               end associate
+            end do
          end do
-      end do
+      end associate
    end subroutine find_reached_nodes
 
    !> Mark the nodes around a cell.
