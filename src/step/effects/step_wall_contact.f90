@@ -123,7 +123,8 @@ contains
                marks = ior(marks, begun)
                do p = at + store%cell_start(cell, tile) + 1, at + store%cell_start(cell + 1, tile)
                   store%touched(p) = marks_end*(step + 1) + ior(iand(marks, reached_bits), &
-                     ior(begun, iand(marks, began_before(step, store%touched(p)))))
+                     ior(begun, iand(iand(marks, began_bits), &
+                     marks_before(step, store%touched(p)))))
                end do
             end associate
          end do
@@ -150,14 +151,14 @@ contains
       end do
    end subroutine find_layers
 
-   !> Bits of the walls on which a particle began and which it has not left.
-   elemental integer(int64) function began_before(step, touched) result(marks)
+   !> Marks that a particle got in the last step, 0 if it was not next to a wall then.
+   elemental integer(int64) function marks_before(step, touched) result(marks)
       integer(int64), intent(in) :: step             !! Steps done
       integer(int64), intent(in) :: touched          !! Marks of the particle, with their step
 
       marks = 0
-      if (touched/marks_end == step) marks = iand(touched, began_bits)
-   end function began_before
+      if (touched/marks_end == step) marks = mod(touched, marks_end)
+   end function marks_before
 
    !> Marks of a particle at walls next to its cell; (R.13) of doc/theory/rigid.md.
    pure integer(int64) function marks_of(grid, near, step, dt, store, p) result(marks)
@@ -170,8 +171,7 @@ contains
       real(wp) :: half(1), way
       integer :: face, k
 
-      marks = 0
-      if (store%touched(p)/marks_end == step) marks = mod(store%touched(p), marks_end)
+      marks = marks_before(step, store%touched(p))
       call particle_widths(grid, p, 1, store%position, store%state%volume, half)
       do face = 1, 6
          if (.not. near(face)) then
@@ -206,11 +206,13 @@ contains
 
       reached = 0
       associate (grid => space%grid, tiles => space%tiles)
+         ! most tiles have no nodes on a wall
+         call find_layers(grid, space%boundary, tiles%coordinate(:, tile), near, layer)
+         if (.not. any(near)) return
          extent = extent_of(grid, tiles, tile)
          do place = 1, neighbors
             other = tiles%neighbor(place, tile)
             if (other == 0) cycle
-            ! most tiles have no cells at a wall
             call find_layers(grid, space%boundary, tiles%coordinate(:, other), near, layer)
             if (.not. any(near)) cycle
             origin = merge(extent, merge(-extent_of(grid, tiles, other), 0, &
@@ -307,8 +309,7 @@ contains
             associate (store => stores(index))
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (distance(grid, face, store%position(p, normal)) > reach) cycle
-                  near = .not. (store%touched(p)/marks_end == step .and. &
-                     iand(store%touched(p), needed) == needed)
+                  near = iand(marks_before(step, store%touched(p)), needed) /= needed
                   if (near) return
                end do
             end associate

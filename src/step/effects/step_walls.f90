@@ -25,7 +25,7 @@ module step_walls
       stop_at_walls, walls_touch
 
    !> Stages of the action of walls on nodes, in this order: forces, prescribed velocities,
-   !! friction.
+   !! contact with friction.
    integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3
 
 contains
